@@ -1,0 +1,14 @@
+//! Scattering models: what is evaluated and sampled.
+//!
+//! `f = dL_s / dE_i` in 1/sr, no cosine inside (docs/conventions.md). Directions leave the surface; a model answers
+//! for both sides and both components, and returns 0 where it does not scatter.
+
+pub mod channel;
+pub mod error;
+pub mod quantity;
+pub mod traits;
+
+pub use channel::Channel;
+pub use error::BsdfError;
+pub use quantity::Quantity;
+pub use traits::{Bsdf, Lobe, Properties, Sample};

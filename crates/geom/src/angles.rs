@@ -1,0 +1,106 @@
+//! Polar angles of a direction, canonical and extended.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::Direction;
+
+/// Canonical polar angles in radians: `theta` in `[0, pi]` from `+z`, `phi` in `[0, 2 pi)` from `x`.
+///
+/// Kept beside [`Direction`] because a direction along the normal has lost its azimuth, and an incidence at the
+/// normal still has one (the sample holder's).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Angles {
+    /// Polar angle from the front normal, radians, `[0, pi]`.
+    pub theta: f64,
+    /// Azimuth from `x`, counter-clockwise seen from the front, radians, `[0, 2 pi)`.
+    pub phi: f64,
+}
+
+impl Angles {
+    /// Canonical angles of any finite pair: `theta` is taken modulo `2 pi`; a `theta` past `pi` comes back on the
+    /// other side of the pole (`2 pi - theta`, `phi + pi`). The direction they name is unchanged.
+    pub fn canonical(theta: f64, phi: f64) -> Self {
+        let mut theta = theta.rem_euclid(TAU);
+        let mut phi = phi;
+        if theta > PI {
+            theta = TAU - theta;
+            phi += PI;
+        }
+        let mut phi = phi.rem_euclid(TAU);
+        if phi >= TAU {
+            phi = 0.0; // rem_euclid of a tiny negative number rounds up to the modulus itself
+        }
+        Angles { theta, phi }
+    }
+
+    /// [`Angles::canonical`] of degrees.
+    pub fn from_degrees(theta: f64, phi: f64) -> Self {
+        Angles::canonical(theta.to_radians(), phi.to_radians())
+    }
+
+    /// `(theta, phi)` in degrees.
+    pub fn to_degrees(self) -> (f64, f64) {
+        (self.theta.to_degrees(), self.phi.to_degrees())
+    }
+
+    /// The unit vector these angles name.
+    pub fn direction(self) -> Direction {
+        Direction::from_spherical(self.theta, self.phi)
+    }
+
+    /// Extended polar angle within the scan half-plane of azimuth `plane_phi` and its opposite: `-pi/2..pi/2` over
+    /// the reflection hemisphere, `pi/2..3 pi/2` over the transmission hemisphere. `None` when the direction lies
+    /// further than `tolerance` radians (great circle) from the plane. Plot and input notation only.
+    pub fn extended_theta(self, plane_phi: f64, tolerance: f64) -> Option<f64> {
+        let d = self.direction().vec();
+        let (s, c) = plane_phi.sin_cos();
+        let across = -d.x * s + d.y * c;
+        if across.abs() > tolerance.sin() {
+            return None;
+        }
+        let along = d.x * c + d.y * s;
+        let extended = along.atan2(d.z);
+        Some(if extended < -PI / 2.0 {
+            extended + TAU
+        } else {
+            extended
+        })
+    }
+
+    /// The inverse of [`Angles::extended_theta`].
+    pub fn from_extended(extended_theta: f64, plane_phi: f64) -> Self {
+        Angles::canonical(extended_theta, plane_phi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_polar_angle_past_pi_returns_over_the_pole() {
+        let a = Angles::from_degrees(270.0, 10.0);
+        let (theta, phi) = a.to_degrees();
+        assert!((theta - 90.0).abs() < 1e-12 && (phi - 190.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_negative_polar_angle_is_the_opposite_azimuth() {
+        let (theta, phi) = Angles::from_degrees(-30.0, 0.0).to_degrees();
+        assert!((theta - 30.0).abs() < 1e-12 && (phi - 180.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn extended_angles_round_trip_over_both_hemispheres() {
+        for deg in [-89.0, -30.0, 0.0, 45.0, 89.0, 91.0, 135.0, 180.0, 225.0, 269.0] {
+            let a = Angles::from_extended(f64::to_radians(deg), 0.3);
+            let back = a.extended_theta(0.3, 1e-9).unwrap().to_degrees();
+            assert!((back - deg).abs() < 1e-9, "{deg} came back as {back}");
+        }
+    }
+
+    #[test]
+    fn a_direction_off_the_plane_has_no_extended_angle() {
+        assert_eq!(Angles::from_degrees(30.0, 20.0).extended_theta(0.0, 0.01), None);
+    }
+}

@@ -1,0 +1,13 @@
+//! Pure geometry of scattering: directions, spherical coordinates, warps, quadrature and spherical weights.
+//!
+//! Frame (docs/conventions.md): right-handed, `z` = outward normal of the sample's front, `x` = zero-azimuth mark.
+//! Every [`Direction`] leaves the surface. Angles are radians.
+
+pub mod angles;
+pub mod direction;
+pub mod side;
+
+pub use angles::Angles;
+pub use direction::Direction;
+pub use glam::DVec3;
+pub use side::{Component, Side};
