@@ -1,11 +1,20 @@
 //! Python bindings of gonio: conversion and errors, no maths. Angles are degrees on this side.
 
+mod arrays;
+mod bsdf;
 mod errors;
+mod scan;
+mod slice;
+mod verdict;
 
 use pyo3::prelude::*;
 
 #[pymodule]
 fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    errors::register(m)
+    errors::register(m)?;
+    scan::register(m)?;
+    slice::register(m)?;
+    verdict::register(m)?;
+    bsdf::register(m)
 }

@@ -1,0 +1,213 @@
+//! `Bsdf`: any scattering model behind the one trait.
+
+use std::sync::Arc;
+
+use gonio_bsdf as core;
+use gonio_geom::Direction;
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::Block;
+use crate::errors::{QuantityError, domain};
+
+/// A scattering model. Angles are degrees; every argument of `eval` and `pdf` broadcasts as in numpy.
+#[pyclass(frozen, subclass, module = "gonio", name = "Bsdf")]
+pub(crate) struct Bsdf(pub(crate) Arc<dyn core::Bsdf>);
+
+impl Bsdf {
+    /// Position of `channel`; without one the model must have a single channel.
+    fn channel_index(&self, channel: Option<&str>) -> PyResult<usize> {
+        let names: Vec<String> = self.0.channels().iter().map(ToString::to_string).collect();
+        match channel {
+            None if names.len() == 1 => Ok(0),
+            None => Err(QuantityError::new_err(format!(
+                "channel: found none, needed one of {}",
+                names.join(", ")
+            ))),
+            Some(name) => names.iter().position(|n| n == name).ok_or_else(|| {
+                QuantityError::new_err(format!(
+                    "channel: found {name:?}, needed one of {}",
+                    names.join(", ")
+                ))
+            }),
+        }
+    }
+}
+
+/// Directions of the four broadcast angle arrays, with the common shape.
+struct Pairs {
+    shape: Vec<usize>,
+    wi: Vec<Direction>,
+    ws: Vec<Direction>,
+}
+
+impl Pairs {
+    fn broadcast(py: Python<'_>, angles: [&Bound<'_, PyAny>; 4]) -> PyResult<Self> {
+        const NAMES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
+        let numpy = py.import("numpy")?;
+        let kwargs = PyDict::new(py);
+        kwargs.set_item("dtype", "float64")?;
+        let mut arrays = Vec::with_capacity(4);
+        for a in angles {
+            arrays.push(numpy.call_method("asarray", (a,), Some(&kwargs))?);
+        }
+        let same = numpy.call_method1(
+            "broadcast_arrays",
+            (&arrays[0], &arrays[1], &arrays[2], &arrays[3]),
+        )?;
+        let mut columns: [Vec<f64>; 4] = Default::default();
+        let mut shape = Vec::new();
+        for (k, item) in same.try_iter()?.enumerate() {
+            let block: Block<'_> = item?.extract()?;
+            shape = block.shape().to_vec();
+            columns[k] = block.as_array().iter().copied().collect();
+            let bad = columns[k]
+                .iter()
+                .find(|a| !a.is_finite() || (k % 2 == 0 && !(0.0..=180.0).contains(*a)));
+            if let Some(bad) = bad {
+                let allowed = if k % 2 == 0 {
+                    "0 to 180 degrees"
+                } else {
+                    "a finite angle in degrees"
+                };
+                return Err(domain(NAMES[k], bad, allowed));
+            }
+        }
+        let directions = |theta: &[f64], phi: &[f64]| {
+            theta
+                .iter()
+                .zip(phi)
+                .map(|(&t, &p)| Direction::from_degrees(t, p))
+                .collect()
+        };
+        Ok(Pairs {
+            shape,
+            wi: directions(&columns[0], &columns[1]),
+            ws: directions(&columns[2], &columns[3]),
+        })
+    }
+
+    fn map<'py>(
+        &self,
+        py: Python<'py>,
+        f: impl Fn(Direction, Direction) -> f64 + Sync + Send,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let values: Vec<f64> =
+            py.detach(|| self.wi.iter().zip(&self.ws).map(|(&wi, &ws)| f(wi, ws)).collect());
+        PyArray1::from_vec(py, values).reshape(self.shape.clone())
+    }
+}
+
+#[pymethods]
+impl Bsdf {
+    /// Names of the channels.
+    #[getter]
+    fn channels(&self) -> Vec<String> {
+        self.0.channels().iter().map(ToString::to_string).collect()
+    }
+
+    /// What the model promises: reciprocal, energy_conserving, isotropic.
+    #[getter]
+    fn properties<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let p = self.0.properties();
+        let dict = PyDict::new(py);
+        dict.set_item("reciprocal", p.reciprocal)?;
+        dict.set_item("energy_conserving", p.energy_conserving)?;
+        dict.set_item("isotropic", p.isotropic)?;
+        Ok(dict)
+    }
+
+    /// f(wi, ws) in 1/sr, no cosine; shape = the broadcast shape of the angles (degrees).
+    #[pyo3(signature = (*, theta_i, phi_i, theta_s, phi_s, channel=None))]
+    fn eval<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: &Bound<'py, PyAny>,
+        phi_i: &Bound<'py, PyAny>,
+        theta_s: &Bound<'py, PyAny>,
+        phi_s: &Bound<'py, PyAny>,
+        channel: Option<&str>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let index = self.channel_index(channel)?;
+        let pairs = Pairs::broadcast(py, [theta_i, phi_i, theta_s, phi_s])?;
+        let (model, n) = (&self.0, self.0.channels().len());
+        pairs.map(py, |wi, ws| {
+            if n == 1 {
+                return model.eval_first(wi, ws);
+            }
+            let mut f = vec![0.0; n];
+            model.eval(wi, ws, &mut f);
+            f[index]
+        })
+    }
+
+    /// Density (1/sr of the direction s) with which `sample` returns s, given i; broadcasts like `eval`.
+    #[pyo3(signature = (*, theta_i, phi_i, theta_s, phi_s))]
+    fn pdf<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: &Bound<'py, PyAny>,
+        phi_i: &Bound<'py, PyAny>,
+        theta_s: &Bound<'py, PyAny>,
+        phi_s: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let pairs = Pairs::broadcast(py, [theta_i, phi_i, theta_s, phi_s])?;
+        pairs.map(py, |wi, ws| self.0.pdf(wi, ws))
+    }
+
+    /// Directions sampled for one incidence from uniform numbers `u` of shape (n, 3) in [0, 1).
+    ///
+    /// Returns a dict of arrays of length n: theta_s, phi_s (degrees), weight = f |cos| / pdf of the first channel,
+    /// pdf (1/sr). A failed sample has weight 0 and NaN angles.
+    #[pyo3(signature = (*, theta_i, phi_i, u))]
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: f64,
+        phi_i: f64,
+        u: Block<'py>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let wi = crate::arrays::angles(["theta_i", "phi_i"], theta_i, phi_i)?.direction();
+        let shape = u.shape();
+        if shape.len() != 2 || shape[1] != 3 {
+            return Err(domain("u", format!("shape {shape:?}"), "shape (n, 3)"));
+        }
+        let flat: Vec<f64> = u.as_array().iter().copied().collect();
+        if let Some(bad) = flat.iter().find(|v| !(0.0..1.0).contains(*v)) {
+            return Err(domain("u", bad, "numbers in [0, 1)"));
+        }
+        let columns = py.detach(|| {
+            let mut columns: [Vec<f64>; 4] = Default::default();
+            for c in &mut columns {
+                c.reserve(flat.len() / 3);
+            }
+            for u in flat.chunks_exact(3) {
+                let row = match self.0.sample(wi, [u[0], u[1], u[2]]) {
+                    Some(s) => {
+                        let (theta, phi) = s.direction.angles().to_degrees();
+                        [theta, phi, s.weight, s.pdf]
+                    }
+                    None => [f64::NAN, f64::NAN, 0.0, 0.0],
+                };
+                for (c, v) in columns.iter_mut().zip(row) {
+                    c.push(v);
+                }
+            }
+            columns
+        });
+        let dict = PyDict::new(py);
+        for (name, values) in ["theta_s", "phi_s", "weight", "pdf"].into_iter().zip(columns) {
+            dict.set_item(name, PyArray1::from_vec(py, values))?;
+        }
+        Ok(dict)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Bsdf(channels=[{}])", self.channels().join(", "))
+    }
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<Bsdf>()
+}

@@ -1,0 +1,95 @@
+"""Results that appear whole or not at all."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from gonio._native import FormatError
+
+
+def sha256(path: str | os.PathLike[str]) -> str:
+    """SHA-256 of a file, as 64 hexadecimal digits."""
+    with Path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@contextmanager
+def replacing_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path beside `path` that takes its place when the block ends without an error.
+
+    On an error, also on Ctrl-C or a full disk, the temporary file is removed and an older file at `path`
+    stays as it was. The directory of `path` must exist.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise IsADirectoryError(21, "is a directory, a file is needed", str(target))
+    handle, name = tempfile.mkstemp(
+        prefix=f".{target.name}.", suffix=".part", dir=_existing_parent(target, path)
+    )
+    os.close(handle)
+    staged = Path(name)
+    try:
+        yield staged
+        staged.chmod(_default_mode(0o666))
+        staged.replace(target)
+    except BaseException:
+        staged.unlink(missing_ok=True)
+        raise
+
+
+@contextmanager
+def replacing_directory(path: str | os.PathLike[str], *, marker: str, force: bool = False) -> Iterator[Path]:
+    """Give a temporary directory beside `path`; its files move to `path` when the block ends without error.
+
+    A new directory appears in one step. Into an existing one the files are moved one by one over their older
+    versions, and files of other names stay. An existing directory that is neither empty nor holds the file
+    `marker` (so it is no earlier result of the same kind) is refused unless `force` is set.
+
+    Raises
+    ------
+    FormatError
+        `path` holds other people's files and `force` is not set.
+    OSError
+        The file system refuses (no such parent, no permission, disk full); nothing is left behind.
+    """
+    target = Path(path)
+    if target.exists() and not target.is_dir():
+        raise NotADirectoryError(20, "is a file, a directory is needed", str(target))
+    if target.is_dir() and not force and any(target.iterdir()) and not (target / marker).is_file():
+        raise FormatError(
+            f"{target}: found a directory with other files in it, allowed a new or empty directory or an "
+            f"earlier result (one that holds {marker}); force=True (--force) writes there all the same"
+        )
+    staged = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=_existing_parent(target, path)))
+    try:
+        yield staged
+        if target.is_dir():
+            for file in sorted(staged.iterdir(), key=lambda f: f.name == marker):
+                file.replace(target / file.name)
+            staged.rmdir()
+        else:
+            staged.chmod(_default_mode(0o777))
+            staged.rename(target)
+    except BaseException:
+        shutil.rmtree(staged, ignore_errors=True)
+        raise
+
+
+def _existing_parent(target: Path, given: str | os.PathLike[str]) -> Path:
+    parent = target.absolute().parent
+    if not parent.is_dir():
+        raise FileNotFoundError(2, f"no such directory {parent} to write into", os.fspath(given))
+    return parent
+
+
+def _default_mode(mode: int) -> int:
+    """`mode` less the umask; temporary files start private."""
+    umask = os.umask(0)
+    os.umask(umask)
+    return mode & ~umask

@@ -1,0 +1,391 @@
+"""The result of processing: DSF and BSDF with uncertainty, one slice an incidence and channel."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from gonio._native import (
+    FLAGS,
+    DomainError,
+    FormatError,
+    HemisphericalIntegral,
+    MeasurementData,
+    Slice,
+)
+from gonio.files import replacing_directory, replacing_file, sha256
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FORMAT = "gonio-measurement"
+FORMAT_VERSION = 1
+JSON_NAME = "measurement.json"
+PARQUET_NAME = "measurement.parquet"
+
+# name -> (unit, long name) of every column of the table; docs/data-model.md carries the same list.
+COLUMNS: dict[str, tuple[str, str]] = {
+    "slice": ("1", "index of the slice"),
+    "theta_i": ("degree", "polar angle of incidence from the front normal"),
+    "phi_i": ("degree", "azimuth of incidence from the zero-azimuth mark"),
+    "channel": ("", "spectral channel"),
+    "theta_s": ("degree", "polar angle of the receiver from the front normal"),
+    "phi_s": ("degree", "azimuth of the receiver from the zero-azimuth mark"),
+    "dsf": ("sr-1", "differential scattering function, bsdf times |cos theta_s|"),
+    "bsdf": ("sr-1", "bidirectional scattering distribution function"),
+    "u_dsf": ("sr-1", "combined standard uncertainty of dsf"),
+    "omega": ("sr", "solid-angle weight of the reading"),
+    "flags": ("1", "bit flags of the reading"),
+}
+FRAME = (
+    "right-handed, z = outward normal of the front, x = zero-azimuth mark; every direction leaves the surface"
+)
+
+
+class Measurement:
+    """A sample's processed slices with what holds for all of them.
+
+    Parameters
+    ----------
+    slices
+        One `Slice` an incidence and channel.
+    sample_name
+        Name of the sample.
+    signature_fwhm
+        Full width at half maximum of the instrument signature in degrees: no structure finer than this is
+        resolved.
+    warnings
+        Physics warnings found on the way.
+    provenance
+        Where the numbers come from: input files with their SHA-256, versions, settings, time.
+
+    Raises
+    ------
+    DomainError
+        `signature_fwhm` is not positive.
+    """
+
+    def __init__(
+        self,
+        slices: Sequence[Slice],
+        *,
+        sample_name: str | None = None,
+        signature_fwhm: float | None = None,
+        warnings: Sequence[str] = (),
+        provenance: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._data = MeasurementData(
+            list(slices), sample_name=sample_name, signature_fwhm=signature_fwhm, warnings=list(warnings)
+        )
+        self._provenance = dict(provenance or {})
+
+    @classmethod
+    def _wrap(cls, data: MeasurementData, *, provenance: Mapping[str, Any]) -> Measurement:
+        """Measurement around native data, without a copy."""
+        self = cls.__new__(cls)
+        self._data = data
+        self._provenance = dict(provenance)
+        return self
+
+    @property
+    def slices(self) -> list[Slice]:
+        """Slices in the order of the input."""
+        return self._data.slices
+
+    @property
+    def sample_name(self) -> str | None:
+        """Name of the sample, or None."""
+        return self._data.sample_name
+
+    @property
+    def signature_fwhm(self) -> float | None:
+        """Full width at half maximum of the instrument signature in degrees, or None without a beam scan."""
+        return self._data.signature_fwhm
+
+    @property
+    def warnings(self) -> list[str]:
+        """Physics warnings found on the way."""
+        return self._data.warnings
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Input files with their SHA-256, versions, settings and time."""
+        return self._provenance
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of the channels, in the order of the slices."""
+        return list(dict.fromkeys(s.channel for s in self.slices))
+
+    def __len__(self) -> int:
+        """Return the number of slices."""
+        return len(self.slices)
+
+    def __iter__(self) -> Iterator[Slice]:
+        """Iterate over the slices."""
+        return iter(self.slices)
+
+    def __repr__(self) -> str:
+        """Return name, slices, readings and channels in one line."""
+        readings = sum(len(s) for s in self.slices)
+        channels = ", ".join(self.channels)
+        return (
+            f"Measurement({self.sample_name!r}, slices={len(self)}, readings={readings}, "
+            f"channels=[{channels}])"
+        )
+
+    def to_table(self) -> pa.Table:
+        """Table with one row a reading; columns as in docs/data-model.md, their units also in the schema."""
+        slices = self.slices
+        fields = [
+            pa.field("slice", pa.uint32()),
+            pa.field("theta_i", pa.float64()),
+            pa.field("phi_i", pa.float64()),
+            pa.field("channel", pa.dictionary(pa.int32(), pa.string())),
+            *(pa.field(name, pa.float64()) for name in ("theta_s", "phi_s", "dsf", "bsdf", "u_dsf", "omega")),
+            pa.field("flags", pa.uint16()),
+        ]
+        schema = pa.schema(
+            [f.with_metadata({"unit": COLUMNS[f.name][0], "long_name": COLUMNS[f.name][1]}) for f in fields],
+            metadata={"format": FORMAT, "frame": FRAME},
+        )
+        channels = self.channels
+
+        def column(name: str) -> pa.ChunkedArray:
+            parts = [np.ascontiguousarray(getattr(s, name)) for s in slices]
+            return pa.chunked_array(parts, type=schema.field(name).type)
+
+        def repeated(name: str) -> pa.ChunkedArray:
+            parts = [np.full(len(s), getattr(s, name)) for s in slices]
+            return pa.chunked_array(parts, type=pa.float64())
+
+        def channel(s: Slice) -> pa.DictionaryArray:
+            index = np.full(len(s), channels.index(s.channel), dtype=np.int32)
+            return pa.DictionaryArray.from_arrays(index, channels)
+
+        columns = {
+            "slice": pa.chunked_array(
+                [np.full(len(s), k, dtype=np.uint32) for k, s in enumerate(slices)], type=pa.uint32()
+            ),
+            "theta_i": repeated("theta_i"),
+            "phi_i": repeated("phi_i"),
+            "channel": pa.chunked_array([channel(s) for s in slices], type=schema.field("channel").type),
+            **{name: column(name) for name in ("theta_s", "phi_s", "dsf", "bsdf", "u_dsf", "omega", "flags")},
+        }
+        return pa.table(columns, schema=schema)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Dataset of dimensions `slice` and `reading`: a CF contiguous ragged array.
+
+        `row_size(slice)` counts the readings of each slice; readings of slice 0 come first, then slice 1, and
+        so on. Hemispherical integrals are variables over `slice` and `side`, NaN where a hemisphere was not
+        measured. Units, long names, quantity, frame and provenance are attributes.
+        """
+        import xarray as xr  # noqa: PLC0415  (half a second that most verbs do not need)
+
+        slices = self.slices
+
+        def column(name: str) -> np.ndarray[Any, np.dtype[Any]]:
+            return np.concatenate([getattr(s, name) for s in slices]) if slices else np.empty(0)
+
+        def attrs(name: str) -> dict[str, Any]:
+            unit, long_name = COLUMNS[name]
+            return {"long_name": long_name, "units": unit} if unit else {"long_name": long_name}
+
+        sides = ["front", "back"]
+        integrals = {
+            name: np.full((len(slices), 2), np.nan) for name in ("value", "extrapolated", "u", "u_quadrature")
+        }
+        for k, s in enumerate(slices):
+            for integral in s.integrals:
+                for name, block in integrals.items():
+                    block[k, sides.index(integral.side)] = getattr(integral, name)
+        long_names = {
+            "value": "hemispherical integral of dsf (DHR or DHT)",
+            "extrapolated": "part of the hemispherical integral in directions that were not measured",
+            "u": "combined standard uncertainty of the hemispherical integral",
+            "u_quadrature": "standard uncertainty of the quadrature",
+        }
+        readings = ("theta_s", "phi_s", "dsf", "bsdf", "u_dsf", "omega", "flags")
+        variables: dict[str, Any] = {name: ("reading", column(name), attrs(name)) for name in readings}
+        variables["flags"][2]["flag_masks"] = np.array(list(FLAGS.values()), dtype=np.uint16)
+        variables["flags"][2]["flag_meanings"] = " ".join(FLAGS)
+        for name in ("theta_i", "phi_i"):
+            variables[name] = ("slice", np.array([getattr(s, name) for s in slices]), attrs(name))
+        variables["channel"] = (
+            "slice",
+            np.array([s.channel for s in slices], dtype=object),
+            attrs("channel"),
+        )
+        variables["row_size"] = (
+            "slice",
+            np.array([len(s) for s in slices], dtype=np.int64),
+            {"long_name": "readings of the slice", "sample_dimension": "reading"},
+        )
+        variables["u_common"] = (
+            "slice",
+            np.array([s.u_common for s in slices]),
+            {"long_name": "relative standard uncertainty common to the readings of the slice", "units": "1"},
+        )
+        for name, block in integrals.items():
+            key = "integral" if name == "value" else f"integral_{name}"
+            variables[key] = (("slice", "side"), block, {"long_name": long_names[name], "units": "1"})
+        return xr.Dataset(
+            variables,
+            coords={"side": ("side", np.array(sides, dtype=object), {"long_name": "side of the receiver"})},
+            attrs={
+                "title": f"BSDF measurement of {self.sample_name or 'an unnamed sample'}",
+                "featureType": "gonio-measurement",
+                "quantity": "dsf",
+                "frame": FRAME,
+                "sample_name": self.sample_name or "",
+                "signature_fwhm": np.nan if self.signature_fwhm is None else self.signature_fwhm,
+                "signature_fwhm_units": "degree",
+                "warnings": json.dumps(self.warnings),
+                "provenance": json.dumps(self.provenance),
+            },
+        )
+
+    def to_netcdf(self, path: str | os.PathLike[str]) -> None:
+        """Write `to_xarray()` as netCDF-4, whole or not at all."""
+        dataset = self.to_xarray()
+        with replacing_file(path) as staged:
+            dataset.to_netcdf(staged, engine="h5netcdf")
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the directory `path` with measurement.parquet and measurement.json, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            The directory; its parent must exist. An earlier measurement there is replaced.
+        force
+            Write into a directory that holds other files, too.
+
+        Raises
+        ------
+        FormatError
+            `path` holds other files and `force` is not set.
+        OSError
+            The file system refuses.
+        """
+        table = self.to_table()
+        with replacing_directory(path, marker=JSON_NAME, force=force) as staged:
+            pq.write_table(table, staged / PARQUET_NAME, compression="zstd")
+            text = json.dumps(self._header(sha256(staged / PARQUET_NAME)), indent=2, allow_nan=False)
+            (staged / JSON_NAME).write_text(text + "\n", encoding="utf-8")
+
+    def _header(self, digest: str) -> dict[str, Any]:
+        return {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "sample_name": self.sample_name,
+            "signature_fwhm": self.signature_fwhm,
+            "frame": FRAME,
+            "flags": FLAGS,
+            "warnings": self.warnings,
+            "slices": [
+                {
+                    "theta_i": s.theta_i,
+                    "phi_i": s.phi_i,
+                    "channel": s.channel,
+                    "readings": len(s),
+                    "u_common": s.u_common,
+                    "integrals": [
+                        {
+                            "side": i.side,
+                            "value": i.value,
+                            "extrapolated": i.extrapolated,
+                            "u": i.u,
+                            "u_quadrature": i.u_quadrature,
+                        }
+                        for i in s.integrals
+                    ],
+                }
+                for s in self.slices
+            ],
+            "provenance": self.provenance,
+            "table": {"name": PARQUET_NAME, "sha256": digest},
+        }
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Measurement:
+        """Read a directory written by `save`.
+
+        Raises
+        ------
+        FileNotFoundError
+            No such directory, or no measurement.json or measurement.parquet in it.
+        FormatError
+            The files are damaged, do not belong together or are of a newer format.
+        """
+        directory = Path(path)
+        json_path, table_path = directory / JSON_NAME, directory / PARQUET_NAME
+        header = _read_header(json_path)
+        found = sha256(table_path)
+        if found != header["table"]["sha256"]:
+            raise FormatError(
+                f"{table_path}: found SHA-256 {found[:12]}…, {JSON_NAME} allows "
+                f"{header['table']['sha256'][:12]}…: the file is damaged or belongs to another measurement"
+            )
+        try:
+            slices = _slices_of(header, pq.read_table(table_path))
+        except (KeyError, TypeError, pa.ArrowException, DomainError) as error:
+            raise FormatError(f"{directory}: found a damaged measurement ({error})") from error
+        return cls(
+            slices,
+            sample_name=header["sample_name"],
+            signature_fwhm=header["signature_fwhm"],
+            warnings=header["warnings"],
+            provenance=header["provenance"],
+        )
+
+
+def _read_header(path: Path) -> dict[str, Any]:
+    """measurement.json, checked for format and version."""
+    try:
+        header = json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise FormatError(f"{path}: found no JSON ({error})") from error
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise FormatError(f'{path}: found no "format": "{FORMAT}", allowed is a file written by gonio')
+    if header.get("format_version") != FORMAT_VERSION:
+        raise FormatError(
+            f"{path}: format_version: found {header.get('format_version')!r}, allowed {FORMAT_VERSION}"
+        )
+    needed = ("sample_name", "signature_fwhm", "warnings", "provenance", "slices", "table")
+    missing = [name for name in needed if name not in header]
+    if missing or not isinstance(header["table"], dict) or "sha256" not in header["table"]:
+        raise FormatError(f"{path}: found no {', '.join(missing) or 'table.sha256'}")
+    return header
+
+
+def _slices_of(header: dict[str, Any], table: pa.Table) -> list[Slice]:
+    """Slices of a saved table; the table lists the slices one after the other."""
+    slices, start = [], 0
+    for entry in header["slices"]:
+        part = table.slice(start, entry["readings"])
+        start += entry["readings"]
+        columns = {
+            name: part[name].to_numpy() for name in ("theta_s", "phi_s", "dsf", "u_dsf", "omega", "flags")
+        }
+        slices.append(
+            Slice(
+                theta_i=entry["theta_i"],
+                phi_i=entry["phi_i"],
+                channel=entry["channel"],
+                u_common=entry["u_common"],
+                integrals=[HemisphericalIntegral(**i) for i in entry["integrals"]],
+                **columns,
+            )
+        )
+    if start != table.num_rows:
+        raise DomainError(f"readings: found {table.num_rows} rows, the header allows {start}")
+    return slices
