@@ -3,11 +3,14 @@
 //! `f = dL_s / dE_i` in 1/sr, no cosine inside (docs/conventions.md). Directions leave the surface; a model answers
 //! for both sides and both components, and returns 0 where it does not scatter.
 
+pub mod albedo;
+pub mod analytic;
 pub mod channel;
 pub mod error;
 pub mod quantity;
 pub mod traits;
 
+pub use albedo::directional_albedo;
 pub use channel::Channel;
 pub use error::BsdfError;
 pub use quantity::Quantity;
