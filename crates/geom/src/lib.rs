@@ -4,10 +4,12 @@
 //! Every [`Direction`] leaves the surface. Angles are radians.
 
 pub mod angles;
+pub mod delaunay;
 pub mod direction;
 pub mod side;
 
 pub use angles::Angles;
+pub use delaunay::{Delaunay, DelaunayError};
 pub use direction::Direction;
 pub use glam::DVec3;
 pub use side::{Component, Side};
