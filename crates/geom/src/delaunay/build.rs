@@ -1,7 +1,7 @@
 //! Incremental Delaunay triangulation of the plane with exact predicates and 32-bit indices.
 //!
 //! The outside is triangulated too: every hull edge carries a triangle to one [`GHOST`] vertex at infinity (on the
-//! sphere: the pole of projection), so that insertion, walking and flipping know no boundary case [shewchuk1997 for the
+//! sphere: the pole of projection), so that insertion, walking and flipping know no boundary case [Shewchuk1997 for the
 //! predicates].
 
 use robust::{Coord, incircle, orient2d};

@@ -2,7 +2,7 @@
 //!
 //! The directions are projected stereographically from the opposite pole, `(x, y) / (1 + |z|)`. That projection maps
 //! circles to circles, so the plane triangulation is the spherical one of the points, triangle by triangle, as long
-//! as a triangle's empty cap does not contain the opposite pole [snyder1987, ch. 21]. Predicates are exact, indices are 32 bits.
+//! as a triangle's empty cap does not contain the opposite pole [Snyder1987, ch. 21]. Predicates are exact, indices are 32 bits.
 
 mod build;
 mod order;

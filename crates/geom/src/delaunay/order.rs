@@ -1,4 +1,4 @@
-//! Insertion order of the triangulation: a biased randomised insertion order [amenta2003] along a Hilbert curve.
+//! Insertion order of the triangulation: a biased randomised insertion order [Amenta2003] along a Hilbert curve.
 //!
 //! Rounds of growing size keep the expected number of flips linear for any arrangement of the points (concentric
 //! rings in path order make a pure sweep quadratic); the curve inside a round keeps the walk to the next point short.
