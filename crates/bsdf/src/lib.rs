@@ -6,12 +6,16 @@
 pub mod albedo;
 pub mod analytic;
 pub mod channel;
+pub mod components;
 pub mod error;
+pub mod klems;
 pub mod quantity;
+pub mod tensor_tree;
 pub mod traits;
 
 pub use albedo::directional_albedo;
 pub use channel::Channel;
+pub use components::FourComponents;
 pub use error::BsdfError;
 pub use quantity::Quantity;
 pub use traits::{Bsdf, Lobe, Properties, Sample};

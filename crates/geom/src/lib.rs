@@ -6,6 +6,7 @@
 pub mod angles;
 pub mod delaunay;
 pub mod direction;
+pub mod disk;
 pub mod side;
 
 pub use angles::Angles;

@@ -1,0 +1,184 @@
+//! Tensor trees: a BSDF constant over cells that are as fine as the function needs.
+//!
+//! Coordinates are squares mapped to the disk of direction cosines [ShirleyChiu1997], so that a cell of side `w` has
+//! the projected solid angle `pi w^2`. Layout and lookup are Radiance's [WardEtAl2012].
+
+pub mod lookup;
+mod node;
+mod sample;
+
+use gonio_geom::{Component, Direction, Side};
+
+use crate::{Bsdf, Channel, FourComponents, Properties, Sample};
+pub use lookup::Cell;
+pub use node::{MAX_DEPTH, Node, Rank, Tree, TreeBuilder};
+use sample::Columns;
+
+/// A tensor-tree model: up to four trees.
+///
+/// Transmission that is absent for one side is answered from the other side's tree by reciprocity
+/// (`f_t(wi, ws) = f_t(ws, wi)`), as Radiance does; a rank-3 tree read that way is sampled only by the broad default.
+/// Everything else that is absent is 0.
+#[derive(Debug)]
+pub struct TensorTree {
+    channels: [Channel; 1],
+    trees: FourComponents<Tree>,
+    columns: FourComponents<Columns>,
+}
+
+impl Clone for TensorTree {
+    fn clone(&self) -> Self {
+        TensorTree::new(self.channels[0], self.trees.clone())
+    }
+}
+
+impl PartialEq for TensorTree {
+    fn eq(&self, other: &Self) -> bool {
+        self.channels == other.channels && self.trees == other.trees
+    }
+}
+
+/// Where the answer for one (side of incidence, component) comes from.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) columns: &'a Columns,
+    /// Looked up with incidence and exit exchanged.
+    pub(crate) reversed: bool,
+}
+
+impl TensorTree {
+    /// A model of the given trees for `channel`.
+    pub fn new(channel: Channel, trees: FourComponents<Tree>) -> Self {
+        let columns = trees.map(|_, _, t| Columns::new(t));
+        TensorTree {
+            channels: [channel],
+            trees,
+            columns,
+        }
+    }
+
+    /// The trees.
+    pub fn trees(&self) -> &FourComponents<Tree> {
+        &self.trees
+    }
+
+    /// The tree for light that arrives on `side`, when there is one.
+    pub fn tree(&self, side: Side, component: Component) -> Option<&Tree> {
+        self.trees.get(side, component)
+    }
+
+    pub(crate) fn source(&self, side: Side, component: Component) -> Option<Source<'_>> {
+        let from = |side, reversed| {
+            Some(Source {
+                tree: self.trees.get(side, component)?,
+                columns: self.columns.get(side, component)?,
+                reversed,
+            })
+        };
+        from(side, false).or_else(|| {
+            (component == Component::Transmission)
+                .then(|| from(side.opposite(), true))
+                .flatten()
+        })
+    }
+
+    /// Directional-hemispherical reflectance or transmittance at `wi`; 0 where the model has no such component. A
+    /// rank-3 tree read in reverse is integrated on a grid of 128 x 128 directions.
+    pub fn directional_albedo(&self, wi: Direction, component: Component) -> f64 {
+        let Some(s) = self.source(wi.side(), component) else {
+            return 0.0;
+        };
+        let c = lookup::coordinates(s.tree.rank(), wi, wi);
+        if !s.reversed {
+            return s.tree.albedo([c[0], c[1]]);
+        }
+        if s.tree.rank() == Rank::Four {
+            let mut sum = 0.0;
+            s.tree
+                .reversed_cross_section([c[2], c[3]], |c| sum += f64::from(c.value) * c.side * c.side);
+            return std::f64::consts::PI * sum;
+        }
+        let n = 128u32;
+        let step = 1.0 / f64::from(n);
+        let mut sum = 0.0;
+        for a in 0..n {
+            for b in 0..n {
+                let (u, v) = (step * (f64::from(a) + 0.5), step * (f64::from(b) + 0.5));
+                let ws = lookup::exit_direction(Rank::Four, wi, u, v, wi.side().opposite());
+                sum += self.eval_first(wi, ws);
+            }
+        }
+        std::f64::consts::PI * step * step * sum
+    }
+}
+
+impl Bsdf for TensorTree {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            reciprocal: false,
+            energy_conserving: false,
+            isotropic: !self.trees.is_empty() && self.trees.iter().all(|(_, _, t)| t.rank() == Rank::Three),
+        }
+    }
+
+    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
+        f[0] = self.eval_first(wi, ws);
+    }
+
+    fn eval_first(&self, wi: Direction, ws: Direction) -> f64 {
+        if ws.cos_theta() == 0.0 {
+            return 0.0;
+        }
+        let component = Component::between(wi.side(), ws.side());
+        let Some(s) = self.source(wi.side(), component) else {
+            return 0.0;
+        };
+        let (i, o) = if s.reversed { (ws, wi) } else { (wi, ws) };
+        s.tree.lookup(&lookup::coordinates(s.tree.rank(), i, o))
+    }
+
+    fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
+        if !sample::applies(self, w.side()) {
+            return broad_pdf(sampled);
+        }
+        sample::pdf(self, w, sampled).unwrap_or(0.0)
+    }
+
+    /// Exact where the trees are read forwards or have rank 4: the weight is the albedo (reflection and transmission
+    /// together).
+    fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
+        if !sample::applies(self, w.side()) {
+            return Broad(self).sample(w, u);
+        }
+        sample::sample(self, w, u)
+    }
+}
+
+fn broad_pdf(sampled: Direction) -> f64 {
+    0.5 * sampled.cos_theta().abs() / std::f64::consts::PI
+}
+
+/// The model with the default sampler of [`Bsdf`].
+struct Broad<'a>(&'a TensorTree);
+
+impl Bsdf for Broad<'_> {
+    fn channels(&self) -> &[Channel] {
+        self.0.channels()
+    }
+
+    fn properties(&self) -> Properties {
+        self.0.properties()
+    }
+
+    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
+        self.0.eval(wi, ws, f);
+    }
+}
+
+#[cfg(test)]
+mod tests;
