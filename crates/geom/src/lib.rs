@@ -8,6 +8,7 @@ pub mod delaunay;
 pub mod direction;
 pub mod disk;
 pub mod side;
+pub mod weights;
 
 pub use angles::Angles;
 pub use delaunay::{Delaunay, DelaunayError};

@@ -13,6 +13,7 @@ use thiserror::Error;
 use crate::Side;
 use build::Place;
 pub(crate) use build::{GHOST, Mesh, next, orient};
+pub(crate) use order::insertion_order;
 
 /// Points that cannot be triangulated.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -110,7 +111,7 @@ impl Delaunay {
     fn from_projected(xy: Vec<[f64; 2]>, side: Side) -> Delaunay {
         let mut copies = Vec::new();
         let mut mesh = {
-            let order = order::insertion_order(&xy);
+            let order = insertion_order(&xy);
             Mesh::build(&xy, &order, &mut copies)
         };
         copies.sort_unstable();
@@ -253,10 +254,6 @@ impl Delaunay {
 
     pub(crate) fn mesh(&self) -> &Mesh {
         &self.mesh
-    }
-
-    pub(crate) fn real(&self) -> usize {
-        self.real
     }
 
     pub(crate) fn xy(&self) -> &[[f64; 2]] {

@@ -10,7 +10,7 @@ const ROUND_BITS: u32 = 3;
 const LAST_ROUND: u32 = 7;
 
 /// Indices of `xy` in the order of insertion. Deterministic.
-pub(super) fn insertion_order(xy: &[[f64; 2]]) -> Vec<u32> {
+pub(crate) fn insertion_order(xy: &[[f64; 2]]) -> Vec<u32> {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     for p in xy {
