@@ -2,7 +2,15 @@
 //! found and what is allowed; no reader guesses. Every writer writes a temporary file and renames it.
 
 pub mod atomic;
+pub mod detect;
 pub mod error;
+pub mod gonio_raw;
+pub mod mountain;
+pub mod options;
+pub mod table;
+mod text;
 
 pub use atomic::write_atomic;
+pub use detect::{Format, detect, read_any};
 pub use error::{IoError, excerpt, read_bytes};
+pub use options::ReadOptions;
