@@ -3,6 +3,7 @@
 mod arrays;
 mod bsdf;
 mod errors;
+mod files;
 mod scan;
 mod slice;
 mod verdict;
@@ -13,6 +14,7 @@ use pyo3::prelude::*;
 fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     errors::register(m)?;
+    files::register(m)?;
     scan::register(m)?;
     slice::register(m)?;
     verdict::register(m)?;

@@ -1,5 +1,6 @@
 //! Writing gonio raw.
 
+use std::borrow::Borrow;
 use std::io::Write;
 use std::path::Path;
 
@@ -16,12 +17,12 @@ use crate::{IoError, write_atomic};
 /// # Errors
 /// No scan, a scan without readings, columns of unequal length, a free key that the format cannot carry, and refusals
 /// of the operating system.
-pub fn write(path: &Path, scans: &[Scan]) -> Result<(), IoError> {
+pub fn write<S: Borrow<Scan>>(path: &Path, scans: &[S]) -> Result<(), IoError> {
     if scans.is_empty() {
         return Err(IoError::format(path, None, "scans", "none", "at least one"));
     }
     for scan in scans {
-        check(path, scan)?;
+        check(path, scan.borrow())?;
     }
     write_atomic(path, |out| write_to(out, scans))
 }
@@ -60,10 +61,10 @@ fn check(path: &Path, scan: &Scan) -> Result<(), IoError> {
 ///
 /// # Errors
 /// Refusals of the stream.
-pub fn write_to(out: &mut dyn Write, scans: &[Scan]) -> std::io::Result<()> {
+pub fn write_to<S: Borrow<Scan>>(out: &mut dyn Write, scans: &[S]) -> std::io::Result<()> {
     writeln!(out, "{MAGIC}")?;
     for scan in scans {
-        record(out, scan)?;
+        record(out, scan.borrow())?;
     }
     Ok(())
 }

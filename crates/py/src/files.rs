@@ -1,0 +1,95 @@
+//! Reading and writing files of readings.
+
+use std::path::PathBuf;
+
+use gonio_io::{Format, IoError, ReadOptions};
+use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError};
+use pyo3::prelude::*;
+
+use crate::errors::{DomainError, FormatError, OrRaise, Raise, domain};
+use crate::scan::Scan;
+
+impl Raise for IoError {
+    fn raise(self) -> PyErr {
+        match self {
+            IoError::File { path, source } => {
+                use std::io::ErrorKind::{IsADirectory, NotFound, PermissionDenied};
+                // the three arguments of OSError: errno, strerror, filename
+                let reason = source.to_string();
+                let reason = reason.split(" (os error").next().unwrap_or_default().to_string();
+                let arguments = (source.raw_os_error(), reason, path);
+                match source.kind() {
+                    NotFound => PyFileNotFoundError::new_err(arguments),
+                    PermissionDenied => PyPermissionError::new_err(arguments),
+                    IsADirectory => PyIsADirectoryError::new_err(arguments),
+                    _ => PyOSError::new_err(arguments),
+                }
+            }
+            IoError::Format { .. } => FormatError::new_err(self.to_string()),
+        }
+    }
+}
+
+/// Read the records of a file of readings.
+///
+/// The format is recognised by content unless `format` names it. `kind`, `quantity` and `channel` state what the file
+/// does not; what the file states itself may not be contradicted. `upphi` (degrees) replaces the `#upphi` of a
+/// Mountain file; 90 keeps its azimuths as written.
+///
+/// Raises FormatError naming file, line or field, what was found and what is allowed; OSError and its kin for what
+/// the operating system refuses.
+#[pyfunction]
+#[pyo3(signature = (path, format=None, *, kind=None, quantity=None, channel=None, upphi=None))]
+fn read_file(
+    py: Python<'_>,
+    path: PathBuf,
+    format: Option<&str>,
+    kind: Option<&str>,
+    quantity: Option<&str>,
+    channel: Option<&str>,
+    upphi: Option<f64>,
+) -> PyResult<Vec<Scan>> {
+    if let Some(up) = upphi.filter(|up| !up.is_finite()) {
+        return Err(domain("upphi", up, "a finite angle in degrees"));
+    }
+    let format = format.map(str::parse::<Format>).transpose();
+    let options = ReadOptions {
+        format: format.map_err(|e| DomainError::new_err(e.to_string()))?,
+        kind: kind
+            .map(str::parse::<gonio_scan::ScanKind>)
+            .transpose()
+            .or_raise()?,
+        quantity: quantity
+            .map(str::parse::<gonio_bsdf::Quantity>)
+            .transpose()
+            .or_raise()?,
+        channel: channel
+            .map(str::parse::<gonio_bsdf::Channel>)
+            .transpose()
+            .or_raise()?,
+        upphi,
+        ..ReadOptions::default()
+    };
+    let scans = py.detach(|| gonio_io::read_any(&path, &options)).or_raise()?;
+    Ok(scans.into_iter().map(Scan::from).collect())
+}
+
+/// Write one scan as pab-opto Mountain text; the file appears whole or not at all.
+#[pyfunction]
+fn write_mountain(py: Python<'_>, path: PathBuf, scan: &Scan) -> PyResult<()> {
+    let scan = scan.0.clone();
+    py.detach(|| gonio_io::mountain::write(&path, &scan)).or_raise()
+}
+
+/// Write scans as records of one gonio raw file; the file appears whole or not at all.
+#[pyfunction]
+fn write_raw(py: Python<'_>, path: PathBuf, scans: Vec<PyRef<'_, Scan>>) -> PyResult<()> {
+    let scans: Vec<_> = scans.iter().map(|s| s.0.clone()).collect();
+    py.detach(|| gonio_io::gonio_raw::write(&path, &scans)).or_raise()
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_function(wrap_pyfunction!(read_file, m)?)?;
+    m.add_function(wrap_pyfunction!(write_mountain, m)?)?;
+    m.add_function(wrap_pyfunction!(write_raw, m)?)
+}
