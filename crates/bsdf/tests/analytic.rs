@@ -1,5 +1,7 @@
 //! Physics of the analytic models: albedo, reciprocity, densities, samplers.
 
+#![allow(clippy::unwrap_used)] // helpers outside #[test] fail a test by panicking, as the tests themselves do
+
 use std::f64::consts::PI;
 
 use gonio_bsdf::albedo::hemispherical_integral;
