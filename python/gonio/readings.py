@@ -9,8 +9,8 @@ from typing import overload
 
 import pyarrow as pa
 
-from gonio import raw_parquet
-from gonio._native import FormatError, Scan
+from gonio import _native, raw_parquet
+from gonio._native import Scan
 
 PathLike = str | os.PathLike[str]
 
@@ -72,8 +72,11 @@ class Readings(Sequence[Scan]):
         return raw_parquet.table_of(self._scans)
 
     def save(self, path: PathLike) -> None:
-        """Write the scans as gonio raw Parquet, whole or not at all."""
-        raw_parquet.write(path, self._scans)
+        """Write gonio raw, whole or not at all: Parquet where `path` ends in .parquet, text otherwise."""
+        if Path(path).suffix.lower() == ".parquet":
+            raw_parquet.write(path, self._scans)
+        else:
+            _native.write_raw(path, self._scans)
 
 
 def read(
@@ -84,6 +87,7 @@ def read(
     kind: str | None = None,
     quantity: str | None = None,
     channel: str | None = None,
+    upphi: float | None = None,
 ) -> Readings:
     """Read the scans of one or many files, in file order.
 
@@ -98,6 +102,8 @@ def read(
     kind, quantity, channel
         What the scans were taken for, what the values are and which spectral channel, for files that do not
         tell.
+    upphi
+        Azimuth of the sample's up mark in a Mountain file, degrees, in place of the file's own.
 
     Raises
     ------
@@ -114,7 +120,13 @@ def read(
     scans: list[Scan] = []
     for path in many:
         scans += read_file(
-            path, format=format, columns=columns, kind=kind, quantity=quantity, channel=channel
+            path,
+            format=format,
+            columns=columns,
+            kind=kind,
+            quantity=quantity,
+            channel=channel,
+            upphi=upphi,
         )[1]
     return Readings(scans)
 
@@ -127,10 +139,11 @@ def read_file(
     kind: str | None = None,
     quantity: str | None = None,
     channel: str | None = None,
+    upphi: float | None = None,
 ) -> tuple[str, list[Scan]]:
     """Name of the format and scans of one file; arguments and errors as in `read`."""
     if format in ("parquet", None) and Path(path).suffix.lower() == ".parquet":
         scans = raw_parquet.read(path, columns=columns, kind=kind, quantity=quantity, channel=channel)
         return "parquet", scans
-    Path(path).open("rb").close()
-    raise FormatError(f"{os.fspath(path)}: format: found {format or 'an unknown one'}, allowed parquet")
+    found = format or _native.detect_format(path)
+    return found, _native.read_file(path, found, kind=kind, quantity=quantity, channel=channel, upphi=upphi)

@@ -6,13 +6,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich import box
-from rich.table import Table
 
 import gonio
 from gonio.cli.reading import Channel, Columns, Format, Quantity, column_map
 from gonio.cli.running import Json, err, out, print_json
-from gonio.inspecting import FileSummary
+from gonio.inspecting import FileSummary, RecordSummary
 
 
 def inspect(
@@ -37,21 +35,22 @@ def inspect(
 
 
 def _show(file: FileSummary) -> None:
-    table = Table(
-        title=f"{file.path}  ({file.format})", box=box.SIMPLE_HEAD, title_justify="left", title_style="bold"
-    )
-    for heading in ("record", "channel", "theta_i, phi_i", "readings", "theta_s", "value", "notes"):
-        table.add_column(heading, no_wrap=heading != "notes")
-    for r in file.records:
-        theta = "" if r.theta_s_min is None else f"{r.theta_s_min:.4g} … {r.theta_s_max:.4g}"
-        value = "" if r.value_min is None else f"{r.value_min:.4g} … {r.value_max:.4g}"
-        table.add_row(
-            f"{r.kind} {r.quantity}",
-            r.channel,
-            f"{r.theta_i:.4g}, {r.phi_i:.4g}",
-            str(r.readings),
-            theta,
-            value,
-            "; ".join(r.notes),
-        )
-    out.print(table)
+    out.print(f"{file.path} ({file.format}, {len(file.records)} records)", highlight=False, style="bold")
+    rows = [_row(record) for record in file.records]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        line = "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True))
+        out.print(f"  {line.rstrip()}", highlight=False)
+
+
+def _row(r: RecordSummary) -> list[str]:
+    return [
+        f"{r.kind} {r.quantity}",
+        r.channel,
+        f"theta_i {r.theta_i:.4g}",
+        f"phi_i {r.phi_i:.4g}",
+        f"{r.readings} readings",
+        "" if r.theta_s_min is None else f"theta_s {r.theta_s_min:.4g} to {r.theta_s_max:.4g}",
+        "" if r.value_min is None else f"{r.quantity} {r.value_min:.4g} to {r.value_max:.4g}",
+        "; ".join(r.notes),
+    ]
