@@ -271,6 +271,7 @@ impl MeasurementData {
             sample_name,
             signature_fwhm: signature_fwhm.map(f64::to_radians),
             warnings,
+            ..Default::default()
         }
         .into())
     }

@@ -1,11 +1,38 @@
 //! From readings to a measurement: corrections, beam power, DSF/BSDF, uncertainty, checks.
 
+pub mod beam;
+mod blank;
+mod clock;
+pub mod dark;
 pub mod error;
+mod flagging;
 pub mod flags;
+mod local;
 pub mod measurement;
+mod nearest;
+pub mod noise;
+pub mod process;
+#[cfg(test)]
+mod process_tests;
+pub mod processing;
 pub mod readings;
+mod robust;
+pub mod signature;
+#[cfg(test)]
+mod testing;
+mod validate;
+pub mod verdict;
+mod weigh;
 
+pub use beam::{Beam, beam_power};
+pub use dark::{DarkMethod, DarkOptions, DarkSummary};
 pub use error::ScanError;
 pub use flags::Flags;
-pub use measurement::{Measurement, Slice};
+pub use measurement::{HemisphericalIntegral, Measurement, Slice};
+pub use nearest::DirectionIndex;
+pub use noise::{NoiseModel, NoiseOrigin};
+pub use process::{ProcessOptions, process, process_owned};
+pub use processing::Processing;
 pub use readings::{Scan, ScanKind, ScanMeta};
+pub use signature::Signature;
+pub use verdict::{Level, Verdict};

@@ -3,7 +3,7 @@
 use gonio_bsdf::Channel;
 use gonio_geom::{Angles, Direction, Side};
 
-use crate::Flags;
+use crate::{Flags, Processing};
 
 /// A hemispherical integral of the DSF of one slice, with what was measured and what had to be extrapolated apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,12 @@ impl Slice {
         Direction::from_spherical(self.theta_s[j], self.phi_s[j])
     }
 
+    /// The part of `u_dsf` of reading `j` that other readings do not share, 1/sr.
+    pub fn u_independent(&self, j: usize) -> f64 {
+        let common = self.u_common * self.dsf[j];
+        (self.u_dsf[j].powi(2) - common.powi(2)).max(0.0).sqrt()
+    }
+
     /// BSDF of reading `j`: `dsf / |cos theta_s|`; NaN on the horizon.
     pub fn bsdf(&self, j: usize) -> f64 {
         let c = self.theta_s[j].cos().abs();
@@ -84,4 +90,6 @@ pub struct Measurement {
     pub signature_fwhm: Option<f64>,
     /// Physics warnings found on the way (also logged).
     pub warnings: Vec<String>,
+    /// What the processing found out about the instrument and the corrections.
+    pub processing: Processing,
 }

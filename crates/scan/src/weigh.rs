@@ -1,0 +1,83 @@
+//! Solid-angle weights and hemispherical integrals of a slice.
+
+use gonio_geom::weights::{WeightsError, hemisphere_cells};
+use gonio_geom::{DVec3, Side};
+
+use crate::measurement::HemisphericalIntegral;
+use crate::robust::median;
+use crate::{ScanError, Slice};
+
+/// Cells that reach further than this many times the median reach belong to the rim of a raster.
+const RIM_REACH: f64 = 3.0;
+
+fn weights_error(error: &WeightsError) -> ScanError {
+    ScanError::Domain {
+        field: "directions",
+        found: error.to_string(),
+        allowed: "unit vectors that span a patch or a hemisphere".into(),
+    }
+}
+
+/// Solid angles of the readings of a bounded raster, sr: spherical Voronoi cells about its centre. Cells of the rim,
+/// which have no neighbour on one side, count as large as the median cell.
+pub(crate) fn patch_omega(points: &[DVec3]) -> Result<Vec<f64>, ScanError> {
+    let sum = points.iter().copied().sum::<DVec3>();
+    let Some(centre) = sum.try_normalize() else {
+        return Err(ScanError::Domain {
+            field: "directions",
+            found: "directions without a centre".into(),
+            allowed: "a bounded raster about one direction".into(),
+        });
+    };
+    let e1 = centre.any_orthonormal_vector();
+    let e2 = centre.cross(e1);
+    let turned: Vec<DVec3> = points
+        .iter()
+        .map(|p| DVec3::new(p.dot(e1), p.dot(e2), p.dot(centre)).normalize_or(DVec3::Z))
+        .collect();
+    let cells = hemisphere_cells(&turned, Side::Front).map_err(|e| weights_error(&e))?;
+    let mut reach = cells.reach.clone();
+    let mut omega = cells.omega.clone();
+    let (Some(typical), Some(cell)) = (median(&mut reach), median(&mut omega)) else {
+        return Ok(cells.omega);
+    };
+    Ok(cells
+        .omega
+        .iter()
+        .zip(&cells.reach)
+        .map(|(&o, &r)| if r > RIM_REACH * typical { cell } else { o })
+        .collect())
+}
+
+/// Sets `omega` and `integrals` of a slice whose `u_dsf` holds the independent and the common relative part.
+/// `u_offset` is the absolute standard uncertainty that all values share, 1/sr.
+pub(crate) fn weigh(slice: &mut Slice, u_offset: f64) -> Result<(), ScanError> {
+    slice.integrals.clear();
+    slice.omega = vec![0.0; slice.len()];
+    for side in Side::BOTH {
+        let members: Vec<usize> = (0..slice.len())
+            .filter(|&j| slice.flags[j].usable() && slice.direction(j).side() == side)
+            .collect();
+        if members.is_empty() {
+            continue;
+        }
+        let points: Vec<DVec3> = members.iter().map(|&j| slice.direction(j).vec()).collect();
+        let cells = hemisphere_cells(&points, side).map_err(|e| weights_error(&e))?;
+        let (mut value, mut variance, mut total) = (0.0, 0.0, 0.0);
+        for (&j, &omega) in members.iter().zip(&cells.omega) {
+            slice.omega[j] = omega;
+            value += omega * slice.dsf[j];
+            variance += (omega * slice.u_independent(j)).powi(2);
+            total += omega;
+        }
+        let common = (slice.u_common * value).hypot(u_offset * total);
+        slice.integrals.push(HemisphericalIntegral {
+            side,
+            value,
+            extrapolated: 0.0,
+            u: variance.sqrt().hypot(common),
+            u_quadrature: 0.0,
+        });
+    }
+    Ok(())
+}
