@@ -175,3 +175,18 @@ class Bsdf:
         self, *, theta_i: ArrayLike, phi_i: ArrayLike, theta_s: ArrayLike, phi_s: ArrayLike
     ) -> NDArray[np.float64]: ...
     def sample(self, *, theta_i: float, phi_i: float, u: ArrayLike) -> dict[str, NDArray[np.float64]]: ...
+
+def analytic(parts: Sequence[Mapping[str, Any]]) -> Bsdf: ...
+def directional_albedo(
+    model: Bsdf, *, theta_i: float, phi_i: float, component: str, channel: str | None = None
+) -> float: ...
+def simulate(
+    model: Bsdf,
+    *,
+    incidences: Sequence[tuple[float, float]],
+    components: Sequence[str],
+    seed: int,
+    sample_name: str | None = None,
+    started: str | None = None,
+    settings: Mapping[str, float],
+) -> list[Scan]: ...

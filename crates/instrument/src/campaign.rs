@@ -142,6 +142,11 @@ fn meta(instrument: &Instrument, campaign: &Campaign) -> ScanMeta {
     }
 }
 
+/// Times are recorded to the microsecond.
+fn microseconds(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}
+
 /// The state of a running campaign.
 struct Session<'a> {
     detector: Detector,
@@ -173,7 +178,7 @@ impl Session<'_> {
         rng: &mut Pcg64,
     ) {
         let time: Vec<f64> = (0..angles.len())
-            .map(|j| self.clock + j as f64 / self.detector.rate)
+            .map(|j| microseconds(self.clock + j as f64 / self.detector.rate))
             .collect();
         for (k, signal) in signals.iter().enumerate() {
             let value = signal

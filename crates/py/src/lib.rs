@@ -5,6 +5,7 @@ mod bsdf;
 mod errors;
 mod files;
 mod scan;
+mod simulate;
 mod slice;
 mod verdict;
 
@@ -18,5 +19,6 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     scan::register(m)?;
     slice::register(m)?;
     verdict::register(m)?;
-    bsdf::register(m)
+    bsdf::register(m)?;
+    simulate::register(m)
 }
