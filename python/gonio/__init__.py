@@ -14,7 +14,9 @@ from gonio._native import (
     Verdict,
     __version__,
 )
+from gonio.inspecting import inspect
 from gonio.measurement import Measurement
+from gonio.readings import Readings, read
 
 __all__ = [
     "FLAGS",
@@ -26,8 +28,11 @@ __all__ = [
     "HemisphericalIntegral",
     "Measurement",
     "QuantityError",
+    "Readings",
     "Scan",
     "Slice",
     "Verdict",
     "__version__",
+    "inspect",
+    "read",
 ]

@@ -1,6 +1,7 @@
 """Types of the native core. Angles are degrees, arrays are copies."""
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal, final
 
 import numpy as np
@@ -15,6 +16,19 @@ class FormatError(GonioError): ...
 class QuantityError(GonioError): ...
 class DomainError(GonioError): ...
 class FitError(GonioError): ...
+
+def read_file(
+    path: str | PathLike[str],
+    format: str | None = None,
+    *,
+    kind: str | None = None,
+    quantity: str | None = None,
+    channel: str | None = None,
+    upphi: float | None = None,
+) -> list[Scan]: ...
+def detect_format(path: str | PathLike[str]) -> str: ...
+def write_mountain(path: str | PathLike[str], scan: Scan) -> None: ...
+def write_raw(path: str | PathLike[str], scans: Sequence[Scan]) -> None: ...
 
 @final
 class Scan:

@@ -3,10 +3,14 @@
 //! The orphan rule forbids `From<ScanError> for PyErr`, so each crate's error enum implements [`Raise`] here, and a
 //! binding writes `gonio_scan::process(…).or_raise()?`.
 
+use std::io;
+use std::path::Path;
+
 use gonio_bsdf::BsdfError;
+use gonio_io::IoError;
 use gonio_scan::ScanError;
 use pyo3::create_exception;
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyOSError};
 use pyo3::prelude::*;
 
 create_exception!(
@@ -72,6 +76,37 @@ impl Raise for ScanError {
             ScanError::Domain { .. } => DomainError::new_err(self.to_string()),
             ScanError::Mismatch { .. } => QuantityError::new_err(self.to_string()),
         }
+    }
+}
+
+impl Raise for IoError {
+    fn raise(self) -> PyErr {
+        match self {
+            IoError::File { path, source } => os_error(&path, &source),
+            other => FormatError::new_err(other.to_string()),
+        }
+    }
+}
+
+/// `OSError(errno, text, file name)`, which Python turns into `FileNotFoundError` and its like by the number.
+fn os_error(path: &Path, source: &io::Error) -> PyErr {
+    // Numbers that Unix and Windows share, for errors that did not come from a system call.
+    let number = source.raw_os_error().or(match source.kind() {
+        io::ErrorKind::NotFound => Some(2),
+        io::ErrorKind::PermissionDenied => Some(13),
+        io::ErrorKind::AlreadyExists => Some(17),
+        io::ErrorKind::NotADirectory => Some(20),
+        io::ErrorKind::IsADirectory => Some(21),
+        io::ErrorKind::StorageFull => Some(28),
+        _ => None,
+    });
+    match number {
+        Some(number) => {
+            let text = source.to_string();
+            let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+            PyOSError::new_err((number, text, path.display().to_string()))
+        }
+        None => PyOSError::new_err(format!("{}: {source}", path.display())),
     }
 }
 

@@ -1,34 +1,14 @@
 //! Reading and writing files of readings.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::PathBuf;
 
 use gonio_io::{Format, IoError, ReadOptions};
-use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError};
 use pyo3::prelude::*;
 
-use crate::errors::{DomainError, FormatError, OrRaise, Raise, domain};
+use crate::errors::{DomainError, OrRaise, domain};
 use crate::scan::Scan;
-
-impl Raise for IoError {
-    fn raise(self) -> PyErr {
-        match self {
-            IoError::File { path, source } => {
-                use std::io::ErrorKind::{IsADirectory, NotFound, PermissionDenied};
-                // the three arguments of OSError: errno, strerror, filename
-                let reason = source.to_string();
-                let reason = reason.split(" (os error").next().unwrap_or_default().to_string();
-                let arguments = (source.raw_os_error(), reason, path);
-                match source.kind() {
-                    NotFound => PyFileNotFoundError::new_err(arguments),
-                    PermissionDenied => PyPermissionError::new_err(arguments),
-                    IsADirectory => PyIsADirectoryError::new_err(arguments),
-                    _ => PyOSError::new_err(arguments),
-                }
-            }
-            IoError::Format { .. } => FormatError::new_err(self.to_string()),
-        }
-    }
-}
 
 /// Read the records of a file of readings.
 ///
@@ -74,6 +54,22 @@ fn read_file(
     Ok(scans.into_iter().map(Scan::from).collect())
 }
 
+/// Name of the format that the beginning of a file shows; errors as in `read_file`.
+#[pyfunction]
+fn detect_format(path: PathBuf) -> PyResult<&'static str> {
+    let refused = |source| IoError::file(&path, source);
+    let head = || {
+        if path.is_dir() {
+            return Err(std::io::ErrorKind::IsADirectory.into());
+        }
+        let mut head = Vec::new();
+        File::open(&path)?.take(1 << 16).read_to_end(&mut head)?;
+        Ok(head)
+    };
+    let head = head().map_err(refused).or_raise()?;
+    Ok(gonio_io::detect(&head, &path).or_raise()?.name())
+}
+
 /// Write one scan as pab-opto Mountain text; the file appears whole or not at all.
 #[pyfunction]
 fn write_mountain(py: Python<'_>, path: PathBuf, scan: &Scan) -> PyResult<()> {
@@ -90,6 +86,7 @@ fn write_raw(py: Python<'_>, path: PathBuf, scans: Vec<PyRef<'_, Scan>>) -> PyRe
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(read_file, m)?)?;
+    m.add_function(wrap_pyfunction!(detect_format, m)?)?;
     m.add_function(wrap_pyfunction!(write_mountain, m)?)?;
     m.add_function(wrap_pyfunction!(write_raw, m)?)
 }

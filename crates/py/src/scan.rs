@@ -189,7 +189,6 @@ pub(crate) fn meta_from(dict: &Bound<'_, PyDict>) -> PyResult<core::ScanMeta> {
             "source" => meta.source = Some(value.extract()?),
             "other" => meta.other = value.extract::<BTreeMap<String, String>>()?,
             name => {
-                let number: f64 = value.extract()?;
                 let slot = match name {
                     "distance" => &mut meta.distance,
                     "receiver_solid_angle" => &mut meta.receiver_solid_angle,
@@ -206,6 +205,7 @@ pub(crate) fn meta_from(dict: &Bound<'_, PyDict>) -> PyResult<core::ScanMeta> {
                         ));
                     }
                 };
+                let number: f64 = value.extract()?;
                 let strict = POSITIVE.contains(&name);
                 if !number.is_finite() || number < 0.0 || (strict && number == 0.0) {
                     let allowed = if strict { "a number > 0" } else { "a number >= 0" };

@@ -1,0 +1,149 @@
+"""Readings as instruments wrote them, from any file gonio reads."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import overload
+
+import pyarrow as pa
+
+from gonio import _native, raw_parquet
+from gonio._native import Scan
+
+PathLike = str | os.PathLike[str]
+
+
+class Readings(Sequence[Scan]):
+    """A list of scans: the readings of one or many files, one `Scan` an incidence, channel and purpose."""
+
+    def __init__(self, scans: Iterable[Scan]) -> None:
+        self._scans = list(scans)
+
+    @overload
+    def __getitem__(self, index: int) -> Scan: ...
+    @overload
+    def __getitem__(self, index: slice) -> Readings: ...
+    def __getitem__(self, index: int | slice) -> Scan | Readings:
+        """Return one scan, or the readings of a range of scans."""
+        return Readings(self._scans[index]) if isinstance(index, slice) else self._scans[index]
+
+    def __len__(self) -> int:
+        """Return the number of scans."""
+        return len(self._scans)
+
+    def __iter__(self) -> Iterator[Scan]:
+        """Iterate over the scans."""
+        return iter(self._scans)
+
+    def __add__(self, other: Readings) -> Readings:
+        """Scans of both."""
+        return Readings([*self._scans, *other])
+
+    def __repr__(self) -> str:
+        """Return scans, readings and channels in one line."""
+        readings = sum(len(s) for s in self)
+        return f"Readings(scans={len(self)}, readings={readings}, channels=[{', '.join(self.channels)}])"
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of the channels, in the order of the scans."""
+        return list(dict.fromkeys(s.channel for s in self))
+
+    @property
+    def quantities(self) -> list[str]:
+        """Names of the quantities, in the order of the scans."""
+        return list(dict.fromkeys(s.quantity for s in self))
+
+    def select(
+        self, *, kind: str | None = None, channel: str | None = None, quantity: str | None = None
+    ) -> Readings:
+        """Scans of one kind, channel or quantity; None takes all."""
+        wanted = {"kind": kind, "channel": channel, "quantity": quantity}
+        return Readings(
+            s
+            for s in self
+            if all(value is None or getattr(s, name) == value for name, value in wanted.items())
+        )
+
+    def to_table(self) -> pa.Table:
+        """Table with one row a reading; columns as in docs/data-model.md."""
+        return raw_parquet.table_of(self._scans)
+
+    def save(self, path: PathLike) -> None:
+        """Write gonio raw, whole or not at all: Parquet where `path` ends in .parquet, text otherwise."""
+        if Path(path).suffix.lower() == ".parquet":
+            raw_parquet.write(path, self._scans)
+        else:
+            _native.write_raw(path, self._scans)
+
+
+def read(
+    paths: PathLike | Sequence[PathLike],
+    *,
+    format: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    kind: str | None = None,
+    quantity: str | None = None,
+    channel: str | None = None,
+    upphi: float | None = None,
+) -> Readings:
+    """Read the scans of one or many files, in file order.
+
+    Parameters
+    ----------
+    paths
+        One path or many; docs/formats lists the formats.
+    format
+        Name of the format; None recognises it.
+    columns
+        For generic CSV and Parquet: gonio's column names to those of the file, see docs/formats/table.md.
+    kind, quantity, channel
+        What the scans were taken for, what the values are and which spectral channel, for files that do not
+        tell.
+    upphi
+        Azimuth of the sample's up mark in a Mountain file, degrees, in place of the file's own.
+
+    Raises
+    ------
+    FormatError
+        A file does not follow its format.
+    QuantityError
+        A file does not tell its quantity and none was given.
+    DomainError
+        A value outside its range.
+    OSError
+        The operating system refuses (no such file, no permission, a directory).
+    """
+    many = [paths] if isinstance(paths, (str, os.PathLike)) else paths
+    scans: list[Scan] = []
+    for path in many:
+        scans += read_file(
+            path,
+            format=format,
+            columns=columns,
+            kind=kind,
+            quantity=quantity,
+            channel=channel,
+            upphi=upphi,
+        )[1]
+    return Readings(scans)
+
+
+def read_file(
+    path: PathLike,
+    *,
+    format: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    kind: str | None = None,
+    quantity: str | None = None,
+    channel: str | None = None,
+    upphi: float | None = None,
+) -> tuple[str, list[Scan]]:
+    """Name of the format and scans of one file; arguments and errors as in `read`."""
+    if format in ("parquet", None) and Path(path).suffix.lower() == ".parquet":
+        scans = raw_parquet.read(path, columns=columns, kind=kind, quantity=quantity, channel=channel)
+        return "parquet", scans
+    found = format or _native.detect_format(path)
+    return found, _native.read_file(path, found, kind=kind, quantity=quantity, channel=channel, upphi=upphi)

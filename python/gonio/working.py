@@ -1,0 +1,40 @@
+"""Long work: progress and interruption."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import TypeAlias, TypeVar
+
+Progress: TypeAlias = Callable[[str, int, int], None]
+"""Called with the name of the stage, how many parts are done and how many there are."""
+
+T = TypeVar("T")
+
+
+def silent(stage: str, done: int, total: int) -> None:
+    """Progress that nobody watches."""
+
+
+def interruptible(work: Callable[[], T]) -> T:
+    """Result of `work`, run beside the calling thread so that Ctrl-C is heard while native code computes.
+
+    An exception of `work` is raised here. On KeyboardInterrupt the work is left to itself (its result is
+    dropped) and the interruption goes on to the caller.
+    """
+    results: list[T] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(work())
+        except BaseException as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=run, name="gonio-work", daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(0.05)
+    if errors:
+        raise errors[0]
+    return results[0]
