@@ -10,6 +10,8 @@ use crate::BsdfError;
 pub enum Channel {
     /// V(lambda)-weighted.
     Photopic,
+    /// Weighted with the solar spectrum.
+    Solar,
     /// Radiance red.
     Red,
     /// Radiance green.
@@ -21,10 +23,11 @@ pub enum Channel {
 }
 
 impl fmt::Display for Channel {
-    /// `photopic`, `red`, `green`, `blue` or the wavelength as in `532nm`.
+    /// `photopic`, `solar`, `red`, `green`, `blue` or the wavelength as in `532nm`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Channel::Photopic => f.write_str("photopic"),
+            Channel::Solar => f.write_str("solar"),
             Channel::Red => f.write_str("red"),
             Channel::Green => f.write_str("green"),
             Channel::Blue => f.write_str("blue"),
@@ -41,6 +44,7 @@ impl FromStr for Channel {
         let text = s.trim().to_ascii_lowercase();
         match text.as_str() {
             "photopic" => return Ok(Channel::Photopic),
+            "solar" => return Ok(Channel::Solar),
             "red" => return Ok(Channel::Red),
             "green" => return Ok(Channel::Green),
             "blue" => return Ok(Channel::Blue),
@@ -51,8 +55,9 @@ impl FromStr for Channel {
             _ => Err(BsdfError::Domain {
                 field: "channel",
                 found: format!("{s:?}"),
-                allowed: "photopic, red, green, blue, or a wavelength of 100 to 100000 nm such as 532nm"
-                    .into(),
+                allowed:
+                    "photopic, solar, red, green, blue, or a wavelength of 100 to 100000 nm such as 532nm"
+                        .into(),
             }),
         }
     }

@@ -7,6 +7,7 @@ pub mod error;
 pub mod gonio_raw;
 pub mod mountain;
 pub mod options;
+pub mod radiance_xml;
 pub mod table;
 mod text;
 
