@@ -145,6 +145,10 @@ class MeasurementData:
     def signature_fwhm(self) -> float | None: ...
     @property
     def warnings(self) -> list[str]: ...
+    @property
+    def processing(self) -> dict[str, list[Any]]: ...
+    @property
+    def findings(self) -> list[Verdict]: ...
 
 @final
 class Verdict:
@@ -204,3 +208,17 @@ def simulate(
     started: str | None = None,
     settings: Mapping[str, float],
 ) -> list[Scan]: ...
+
+def process(
+    sample: Sequence[Scan],
+    *,
+    beam: Sequence[Scan] = (),
+    dark: Sequence[Scan] = (),
+    dark_method: str = "auto",
+    dark_tolerance: float = 0.25,
+    noise_readout: float | None = None,
+    noise_relative: float | None = None,
+    u_angle: float = 0.0,
+    u_calibration: float = 0.0,
+    shadow_radius: float | None = None,
+) -> MeasurementData: ...

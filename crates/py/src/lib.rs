@@ -4,6 +4,7 @@ mod arrays;
 mod bsdf;
 mod errors;
 mod files;
+mod processing;
 mod scan;
 mod simulate;
 mod slice;
@@ -16,6 +17,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     errors::register(m)?;
     files::register(m)?;
+    processing::register(m)?;
     scan::register(m)?;
     slice::register(m)?;
     verdict::register(m)?;

@@ -304,6 +304,18 @@ impl MeasurementData {
     fn warnings(&self) -> Vec<String> {
         self.0.warnings.clone()
     }
+
+    /// Beams, noise models and darks as they were applied; empty lists when read back from a file.
+    #[getter]
+    fn processing<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        crate::processing::processing_dict(py, &self.0)
+    }
+
+    /// Verdicts that only the raw readings allow (blank match), made while processing.
+    #[getter]
+    fn findings(&self) -> Vec<crate::verdict::Verdict> {
+        self.0.processing.findings.iter().map(Into::into).collect()
+    }
 }
 
 /// Names of the flag bits: `{"negative": 1, …}`.
