@@ -1,0 +1,1 @@
+"""What the report and the static plots share: triangulation, sections, thinning, numbers. Not public."""

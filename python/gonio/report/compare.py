@@ -1,0 +1,83 @@
+"""Readings against a reference: the known truth of a simulation, or a model built from the readings."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gonio._drawing.numbers import number, percent
+from gonio._drawing.shapes import BsdfLike, Floats, Snapshot, unusable
+
+if TYPE_CHECKING:
+    from gonio.report.drawn import DrawnSlice
+
+MOST_COMPARED = 20_000
+"""Readings of a slice that are compared with a reference, evenly spread over the record."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A scattering function to compare with: `name` in the payload, `label` for the reader."""
+
+    name: str
+    label: str
+    bsdf: BsdfLike
+
+    def dsf(self, s: Snapshot, theta_s: Floats, phi_s: Floats) -> Floats:
+        """DSF in 1/sr of the reference at receiver directions (degrees) of the slice's incidence and channel.
+
+        NaN where the angles are NaN. A reference of one channel answers for all.
+        """
+        known = np.isfinite(theta_s) & np.isfinite(phi_s)
+        out = np.full(len(theta_s), np.nan)
+        if known.any():
+            channels = list(self.bsdf.channels)
+            f = self.bsdf.eval(
+                theta_i=s.theta_i,
+                phi_i=s.phi_i,
+                theta_s=theta_s[known],
+                phi_s=phi_s[known],
+                channel=channels[0] if len(channels) == 1 else s.channel,
+            )
+            out[known] = np.asarray(f, dtype=float) * np.abs(np.cos(np.radians(theta_s[known])))
+        return out
+
+    def along(self, s: Snapshot, extended: Floats) -> Floats:
+        """DSF of the reference at extended polar angles (degrees) in the plane of incidence."""
+        plane = (s.phi_i + 180.0) % 360.0
+        theta = np.where(extended < 0.0, -extended, np.where(extended > 180.0, 360.0 - extended, extended))
+        opposite = (extended < 0.0) | (extended > 180.0)
+        return self.dsf(s, theta, np.where(opposite, (plane + 180.0) % 360.0, plane) + 0.0 * extended)
+
+
+def residual_rows(drawn: list["DrawnSlice"], references: list[Reference]) -> list[dict[str, str]]:
+    """One row a slice and reference: bias and spread of the readings against it, above the noise floor."""
+    return [_row(d, r) for r in references for d in drawn]
+
+
+def _row(d: "DrawnSlice", reference: Reference) -> dict[str, str]:
+    s = d.slice
+    floor = max(d.floor or 0.0, 0.0)
+    rows = np.flatnonzero(~unusable(s.flags, s.dsf) & (s.dsf > floor))
+    rows = rows[:: max(1, -(-len(rows) // MOST_COMPARED))]
+    expected = reference.dsf(s, s.theta_s[rows], s.phi_s[rows])
+    good = np.isfinite(expected) & (expected > floor)
+    rows, expected = rows[good], expected[good]
+    row = {
+        "reference": reference.label,
+        "theta_i": number(s.theta_i),
+        "phi_i": number(s.phi_i),
+        "channel": s.channel,
+    }
+    if len(rows) == 0:
+        return row | {"n": "0", "bias": "—", "median": "—", "p95": "—", "within": "—"}
+    relative = s.dsf[rows] / expected - 1.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inside = np.abs(s.dsf[rows] - expected) <= 1.96 * s.u_dsf[rows]
+    return row | {
+        "n": f"{len(rows):,}".replace(",", "\u202f"),
+        "bias": percent(float(np.median(relative))),
+        "median": percent(float(np.median(np.abs(relative)))),
+        "p95": percent(float(np.percentile(np.abs(relative), 95.0))),
+        "within": percent(float(np.mean(inside)), 1),
+    }

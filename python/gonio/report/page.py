@@ -1,0 +1,113 @@
+"""Put the report together and write it in one piece."""
+
+import os
+from collections.abc import Sequence
+from importlib import metadata, resources
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+from gonio._drawing import numbers
+from gonio._drawing.shapes import BsdfLike, MeasurementLike, VerdictLike
+from gonio.files import replacing_file
+from gonio.report import compare, glossary, header, provenance, sparkline, tables
+from gonio.report.payload import build_payload, to_json
+
+SCRIPTS = ("base.js", "data.js", "dhr.js", "profile.js", "lobe.js", "heatmap.js", "main.js")
+"""Scripts of the page in the order in which they are inlined."""
+
+
+def render_report(
+    measurement: MeasurementLike,
+    verdicts: Sequence[VerdictLike],
+    *,
+    out: str | os.PathLike[str],
+    truth: BsdfLike | None = None,
+    model: BsdfLike | None = None,
+    title: str | None = None,
+) -> Path:
+    """Write the report of a measurement as one HTML file that needs nothing else, not even a network.
+
+    At most about 120,000 readings are drawn; a larger measurement is thinned where neighbours agree, every
+    peak is kept, and the page says how many readings it draws. Profiles and all numbers come from the whole
+    measurement.
+
+    Parameters
+    ----------
+    measurement
+        The processed sample; every incidence becomes one position of the slider.
+    verdicts
+        The outcome of the checks, shown in the given order.
+    out
+        File to write; an existing one is replaced only when the new one is complete.
+    truth
+        The known scattering function of a simulated sample, drawn over the readings, with residuals.
+    model
+        A model built from the readings, drawn over them, with residuals.
+    title
+        Heading; the sample's name without one.
+
+    Returns
+    -------
+    Path
+        The file that was written.
+
+    Raises
+    ------
+    OSError
+        `out` cannot be written; nothing is left behind.
+    """
+    references = [
+        compare.Reference(name, label, bsdf)
+        for name, label, bsdf in (("truth", "known truth", truth), ("model", "model", model))
+        if bsdf is not None
+    ]
+    payload, drawn = build_payload(measurement, references)
+    integrals = tables.integral_rows(measurement)
+    page = (
+        _environment()
+        .get_template("report.html.j2")
+        .render(
+            head=header.describe(measurement, verdicts, title=title, drawn=drawn),
+            verdicts=[header.verdict_row(v) for v in verdicts],
+            integrals=integrals,
+            show=tables.columns(drawn),
+            several_phi=len({round(d.slice.phi_i, 4) for d in drawn}) > 1,
+            channels=payload["channels"],
+            incidences=sparkline.cards(drawn),
+            facts=Markup(to_json(tables.drawn_facts(drawn))),
+            residuals=compare.residual_rows(drawn, references),
+            references=[r.label for r in references],
+            warnings=[str(w) for w in measurement.warnings],
+            provenance=provenance.sections(measurement.provenance),
+            glossary=glossary.TERMS,
+            version=metadata.version("gonio"),
+            style=_static("style.css"),
+            scripts=[_static(name) for name in SCRIPTS],
+            plotly=Markup(get_plotlyjs()),
+            payload=Markup(to_json(payload)),
+        )
+    )
+    path = Path(out)
+    with replacing_file(path) as temporary:
+        temporary.write_text(page, encoding="utf-8", newline="\n")
+    return path
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("gonio.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["number"] = numbers.number
+    environment.filters["percent"] = numbers.percent
+    return environment
+
+
+def _static(name: str) -> Markup:
+    return Markup((resources.files("gonio.report") / "static" / name).read_text(encoding="utf-8"))

@@ -1,0 +1,55 @@
+"""Tables of numbers: hemispherical integrals and what is known of each slice."""
+
+from gonio._drawing.directions import component_of
+from gonio._drawing.numbers import number, percent, with_uncertainty
+from gonio._drawing.shapes import MeasurementLike
+from gonio.report.drawn import DrawnSlice
+from gonio.report.header import grouped
+
+
+def integral_rows(measurement: MeasurementLike) -> list[dict[str, str]]:
+    """One row a slice and hemisphere: DHR or DHT with its expanded uncertainty and the extrapolated share."""
+    rows = []
+    ordered = sorted(measurement.slices, key=lambda s: (s.phi_i, s.theta_i))
+    for s in ordered:
+        for integral in s.integrals:
+            component = component_of(float(s.theta_i), str(integral.side))
+            value, extrapolated = float(integral.value), float(integral.extrapolated)
+            rows.append(
+                {
+                    "theta_i": number(float(s.theta_i)),
+                    "phi_i": number(float(s.phi_i)),
+                    "channel": str(s.channel),
+                    "quantity": "DHR" if component == "reflection" else "DHT",
+                    "value": with_uncertainty(value, float(integral.u)),
+                    "extrapolated": percent(extrapolated / value) if value else "—",
+                }
+            )
+    return rows
+
+
+def slice_facts(d: DrawnSlice) -> list[tuple[str, str]]:
+    """List what the reader needs beside the pictures of one slice."""
+    count = max(d.readings, 1)
+    return [
+        ("Readings", grouped(d.readings)),
+        ("Drawn", grouped(d.drawn)),
+        ("Peak DSF", f"{number(d.peak, 3)} 1/sr"),
+        ("Noise floor", f"{number(d.floor, 2)} 1/sr" if d.floor else "not known"),
+        ("Negative", f"{grouped(d.negative)} ({percent(d.negative / count, 1)})"),
+        ("Below noise", f"{grouped(d.below_noise)} ({percent(d.below_noise / count, 1)})"),
+        ("Not usable", grouped(d.unusable)),
+    ]
+
+
+def drawn_facts(drawn: list[DrawnSlice]) -> list[list[tuple[str, str]]]:
+    """`slice_facts` of every slice, in the order of the payload."""
+    return [slice_facts(d) for d in drawn]
+
+
+def columns(drawn: list[DrawnSlice]) -> dict[str, bool]:
+    """Which of the columns that often hold one value only are worth showing."""
+    return {
+        "phi_i": len({round(d.slice.phi_i, 4) for d in drawn}) > 1,
+        "channel": len({d.slice.channel for d in drawn}) > 1,
+    }
