@@ -1,12 +1,14 @@
 //! Which format a file has, by its content.
 
 use std::fmt;
+use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
 use gonio_scan::Scan;
 
-use crate::{IoError, ReadOptions, excerpt, gonio_raw, mountain, read_bytes};
+use crate::error::open;
+use crate::{IoError, ReadOptions, excerpt, gonio_raw, mountain};
 
 /// A format of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -90,8 +92,23 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
 /// # Errors
 /// Everything the reader of that format refuses, and content that no format matches.
 pub fn read_any(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
-    let bytes = read_bytes(path)?;
-    parse_any(&bytes, path, options)
+    let format = match options.format {
+        Some(format) => format,
+        None => {
+            let mut head = Vec::with_capacity(WINDOW);
+            let refused = |e| IoError::file(path, e);
+            open(path)?
+                .0
+                .take(WINDOW as u64)
+                .read_to_end(&mut head)
+                .map_err(refused)?;
+            detect(&head, path)?
+        }
+    };
+    match format {
+        Format::Mountain => mountain::read(path, options),
+        Format::GonioRaw => gonio_raw::read(path, options),
+    }
 }
 
 /// [`read_any`] of content in memory.

@@ -1,5 +1,7 @@
 //! Why a file could not be read or written.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -80,14 +82,27 @@ pub fn excerpt(bytes: &[u8]) -> String {
     format!("\"{}{more}\"", cut.escape_ascii())
 }
 
+/// An open file and its size in bytes.
+///
+/// # Errors
+/// [`IoError::File`] for everything the operating system refuses, a directory included.
+pub(crate) fn open(path: &Path) -> Result<(File, u64), IoError> {
+    let refused = |source| IoError::file(path, source);
+    let file = File::open(path).map_err(refused)?;
+    let about = file.metadata().map_err(refused)?;
+    if about.is_dir() {
+        return Err(refused(std::io::ErrorKind::IsADirectory.into()));
+    }
+    Ok((file, about.len()))
+}
+
 /// The whole file in memory.
 ///
 /// # Errors
 /// [`IoError::File`] for everything the operating system refuses, a directory included.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
-    let refused = |source| IoError::file(path, source);
-    if std::fs::metadata(path).map_err(refused)?.is_dir() {
-        return Err(refused(std::io::ErrorKind::IsADirectory.into()));
-    }
-    std::fs::read(path).map_err(refused)
+    let (mut file, size) = open(path)?;
+    let mut bytes = Vec::with_capacity(size as usize);
+    file.read_to_end(&mut bytes).map_err(|e| IoError::file(path, e))?;
+    Ok(bytes)
 }

@@ -23,7 +23,7 @@ use std::path::Path;
 use gonio_scan::Scan;
 
 use crate::text::{Fault, Receivers, Text};
-use crate::{IoError, ReadOptions, read_bytes};
+use crate::{IoError, ReadOptions};
 use fields::{Columns, Fields};
 pub use write::{write, write_to};
 
@@ -35,7 +35,7 @@ pub const MAGIC: &str = "#gonio raw 1";
 /// # Errors
 /// [`IoError`] for everything the format does not allow, and for options that contradict the file.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
-    parse(&read_bytes(path)?, path, options)
+    from_text(Text::open(path)?, options)
 }
 
 /// [`read`] of content in memory; `path` is named in errors and kept as the source.
@@ -43,7 +43,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
-    let mut text = Text::new(bytes, path)?;
+    from_text(Text::of(bytes, path)?, options)
+}
+
+fn from_text(mut text: Text<'_>, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
+    let path = text.path;
     let first = text.header_line()?;
     if !first.is_some_and(|h| h.key == "gonio" && h.value == "raw 1") {
         return Err(IoError::format(path, 1, "first line", "something else", MAGIC));
@@ -91,7 +95,7 @@ pub fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Vec<Sca
             _ => record.as_mut().unwrap_or(&mut common).set(&h, path)?,
         }
     }
-    if !text.at_end() {
+    if !text.at_end()? {
         return Err(text.fault(
             "header",
             "a line that does not start with #",
@@ -121,7 +125,7 @@ fn readings(
     let mut time = None;
     let header_line = text.line.saturating_sub(1);
     match columns {
-        Columns::Three => text.rows(["theta_s", "phi_s", "value"], |[theta, phi, v]| {
+        Columns::Three => text.rows(["theta_s", "phi_s", "value"], |&[theta, phi, v]| {
             receivers.push(theta, phi)?;
             finite("value", v)?;
             value.push(v);
@@ -129,7 +133,7 @@ fn readings(
         })?,
         Columns::WithTime => {
             let mut times = Vec::with_capacity(rows);
-            text.rows(["theta_s", "phi_s", "value", "time_s"], |[theta, phi, v, t]| {
+            text.rows(["theta_s", "phi_s", "value", "time_s"], |&[theta, phi, v, t]| {
                 receivers.push(theta, phi)?;
                 finite("value", v)?;
                 finite("time_s", t)?;

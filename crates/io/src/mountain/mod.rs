@@ -13,7 +13,7 @@ use gonio_bsdf::{Channel, Quantity};
 use gonio_scan::{Scan, ScanKind};
 
 use crate::text::{Fault, Receivers, Text};
-use crate::{IoError, ReadOptions, read_bytes};
+use crate::{IoError, ReadOptions};
 use header::{Colorimetry, Header};
 pub use write::write;
 
@@ -23,7 +23,7 @@ pub use write::write;
 /// [`IoError`] for everything the format does not allow; a header line that changes the meaning after data (where
 /// RADIANCE stops reading) is one.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
-    parse(&read_bytes(path)?, path, options)
+    from_text(Text::open(path)?, options)
 }
 
 /// [`read`] of content in memory; `path` is named in errors and kept as the source.
@@ -31,7 +31,10 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
-    let mut text = Text::new(bytes, path)?;
+    from_text(Text::of(bytes, path)?, options)
+}
+
+fn from_text(mut text: Text<'_>, options: &ReadOptions) -> Result<Vec<Scan>, IoError> {
     let header = Header::read(&mut text, options)?;
     match header.colorimetry {
         Colorimetry::Y => one_channel(text, header),
@@ -43,7 +46,7 @@ fn one_channel(mut text: Text<'_>, header: Header) -> Result<Vec<Scan>, IoError>
     let rows = text.expected_rows(3);
     let mut receivers = Receivers::new(rows, header.rotation);
     let mut value = Vec::with_capacity(rows);
-    all_rows(&mut text, ["theta", "phi", "value"], |[theta, phi, v]| {
+    all_rows(&mut text, ["theta", "phi", "value"], |&[theta, phi, v]| {
         receivers.push(theta, phi)?;
         finite(v)?;
         value.push(v);
@@ -78,7 +81,7 @@ fn three_columns(mut text: Text<'_>, header: Header) -> Result<Vec<Scan>, IoErro
     all_rows(
         &mut text,
         ["theta", "phi", "X", "Y", "Z"],
-        |[theta, phi, x, y, z]| {
+        |&[theta, phi, x, y, z]| {
             receivers.push(theta, phi)?;
             for v in [x, y, z] {
                 finite(v)?;
@@ -104,7 +107,7 @@ fn three_columns(mut text: Text<'_>, header: Header) -> Result<Vec<Scan>, IoErro
 fn all_rows<const N: usize>(
     text: &mut Text<'_>,
     names: [&'static str; N],
-    mut sink: impl FnMut([f64; N]) -> Result<(), Fault>,
+    mut sink: impl FnMut(&[f64; N]) -> Result<(), Fault>,
 ) -> Result<(), IoError> {
     loop {
         text.rows(names, &mut sink)?;

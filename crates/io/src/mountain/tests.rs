@@ -175,11 +175,15 @@ fn bytes_that_are_no_text_are_refused_or_read_as_latin_1() {
 
 #[test]
 fn an_endless_line_is_refused_wherever_it_stands() {
-    assert!(message(vec![b'#'; 1 << 20]).contains("65536 bytes"));
+    assert!(message(vec![b'#'; 1 << 20]).contains("more than 262144 bytes"));
     let text = message([HEAD.as_bytes(), &vec![b'1'; 1 << 20]].concat());
     assert!(text.contains("line 4") && text.len() < 300, "{text}");
-    let text = message([HEAD.as_bytes(), &b"1 ".repeat(1 << 20)].concat());
+    let text = message([HEAD.as_bytes(), b"1 2 3\n", &b"1 ".repeat(1 << 20)].concat());
+    assert!(text.contains("line 5") && text.len() < 300, "{text}");
+    let text = message([HEAD.as_bytes(), &b"1 ".repeat(1 << 10)].concat());
     assert!(text.contains("after 3 columns") && text.len() < 300, "{text}");
+    let text = message([HEAD.as_bytes(), &b"1".repeat(1 << 16)].concat());
+    assert!(text.contains("without a blank") && text.len() < 300, "{text}");
 }
 
 fn scans() -> impl Strategy<Value = Scan> {

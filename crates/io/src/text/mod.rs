@@ -1,19 +1,23 @@
 //! What the line-oriented text formats share: header lines, and rows of numbers at the speed of memory.
 
 mod angles;
+mod fast;
 mod number;
 mod write;
 
+use std::io::Read;
 use std::path::Path;
 
 pub(crate) use angles::Receivers;
 pub(crate) use write::{degrees, scaled, write_number};
 
+use crate::error::open;
 use crate::{IoError, excerpt};
+use fast::{AFTER, BEFORE};
 use number::{MAX_LENGTH, number};
 
-/// Longest header line, in bytes.
-const MAX_HEADER_LINE: usize = 1 << 16;
+/// Bytes read at a time; no line may be longer.
+const CHUNK: usize = 1 << 18;
 
 /// A header line `#key: value` or `#key value`.
 #[derive(Debug, Clone)]
@@ -26,10 +30,22 @@ pub(crate) struct HeaderLine {
     pub(crate) value: String,
 }
 
-/// A text file that is read from front to back.
+/// A text file that is read from front to back, a piece of whole lines at a time.
 pub(crate) struct Text<'a> {
-    bytes: &'a [u8],
+    source: Box<dyn Read + 'a>,
+    /// Padding, then what was read, then padding: the padding lets `fast` look past the ends.
+    buffer: Vec<u8>,
+    /// Next byte to look at.
     pos: usize,
+    /// End of the whole lines in `buffer`.
+    end: usize,
+    /// End of what was read into `buffer`.
+    filled: usize,
+    /// Whether the source is exhausted.
+    exhausted: bool,
+    /// Bytes read so far, and of the whole file where that is known.
+    read: u64,
+    size: Option<u64>,
     /// Line at `pos`, from 1.
     pub(crate) line: u64,
     /// File named in errors.
@@ -37,19 +53,39 @@ pub(crate) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
+    /// The text of an open file.
+    ///
+    /// # Errors
+    /// A path that cannot be opened or is a directory, an empty file, UTF-16.
+    pub(crate) fn open(path: &'a Path) -> Result<Self, IoError> {
+        let (file, size) = open(path)?;
+        Text::new(Box::new(file), Some(size), path)
+    }
+
     /// The text of `bytes`; `path` is only named in errors.
     ///
     /// # Errors
-    /// An empty file, and UTF-16.
-    pub(crate) fn new(bytes: &'a [u8], path: &'a Path) -> Result<Self, IoError> {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let text = Text {
-            bytes,
-            pos: 0,
+    /// An empty file, UTF-16.
+    pub(crate) fn of(bytes: &'a [u8], path: &'a Path) -> Result<Self, IoError> {
+        Text::new(Box::new(bytes), Some(bytes.len() as u64), path)
+    }
+
+    fn new(source: Box<dyn Read + 'a>, size: Option<u64>, path: &'a Path) -> Result<Self, IoError> {
+        let mut text = Text {
+            source,
+            buffer: vec![b'\n'; BEFORE + CHUNK + AFTER],
+            pos: BEFORE,
+            end: BEFORE,
+            filled: BEFORE,
+            exhausted: false,
+            read: 0,
+            size,
             line: 1,
             path,
         };
-        if bytes.is_empty() {
+        text.refill()?;
+        let start = &text.buffer[BEFORE..text.filled];
+        if start.is_empty() {
             return Err(IoError::format(
                 path,
                 None,
@@ -58,14 +94,52 @@ impl<'a> Text<'a> {
                 "a header and readings",
             ));
         }
-        if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
             return Err(text.fault(
                 "encoding",
                 "UTF-16",
                 "UTF-8 or Latin-1; save the file as plain text",
             ));
         }
+        if start.starts_with(b"\xef\xbb\xbf") {
+            text.pos += 3;
+        }
         Ok(text)
+    }
+
+    /// Reads the next piece once everything up to `end` is used; false at the end of the file.
+    fn refill(&mut self) -> Result<bool, IoError> {
+        if self.pos < self.end {
+            return Ok(true);
+        }
+        // what follows the last whole line moves to the front
+        self.buffer.copy_within(self.end..self.filled, BEFORE);
+        self.filled -= self.end - BEFORE;
+        self.pos = BEFORE;
+        while !self.exhausted && self.filled < BEFORE + CHUNK {
+            match self.source.read(&mut self.buffer[self.filled..BEFORE + CHUNK]) {
+                Ok(0) => self.exhausted = true,
+                Ok(n) => {
+                    self.filled += n;
+                    self.read += n as u64;
+                }
+                Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
+                Err(e) => return Err(IoError::file(self.path, e)),
+            }
+        }
+        let content = &self.buffer[BEFORE..self.filled];
+        self.end = if self.exhausted {
+            self.filled
+        } else if let Some(last) = content.iter().rposition(|&b| b == b'\n') {
+            BEFORE + last + 1
+        } else {
+            let found = format!(
+                "a line of more than {CHUNK} bytes, beginning {}",
+                excerpt(content)
+            );
+            return Err(self.fault("line", found, "lines of readings"));
+        };
+        Ok(self.pos < self.end)
     }
 
     /// A fault on the current line.
@@ -84,44 +158,36 @@ impl<'a> Text<'a> {
     }
 
     /// Whether everything was read. Blank lines are passed over first.
-    pub(crate) fn at_end(&mut self) -> bool {
-        while let Some(b) = self.bytes.get(self.pos) {
-            match b {
+    ///
+    /// # Errors
+    /// Refusals of the operating system, an endless line.
+    pub(crate) fn at_end(&mut self) -> Result<bool, IoError> {
+        while self.refill()? {
+            match self.buffer[self.pos] {
                 b'\n' => self.line += 1,
                 b' ' | b'\t' | b'\r' => {}
-                _ => return false,
+                _ => return Ok(false),
             }
             self.pos += 1;
         }
-        true
+        Ok(true)
     }
 
-    /// Whether the last line ends with a line end.
+    /// Whether the last line ends with a line end; to be asked at the end.
     pub(crate) fn ends_with_newline(&self) -> bool {
-        self.bytes.last() == Some(&b'\n')
+        self.buffer[self.end - 1] == b'\n'
     }
 
     /// The next header line; `None` where the next line that is not blank does not start with `#`.
     ///
     /// # Errors
-    /// Control characters (a binary file) and lines longer than 65536 bytes.
+    /// Control characters (a binary file), an endless line, refusals of the operating system.
     pub(crate) fn header_line(&mut self) -> Result<Option<HeaderLine>, IoError> {
-        if self.at_end() || self.bytes[self.pos] != b'#' {
+        if self.at_end()? || self.buffer[self.pos] != b'#' {
             return Ok(None);
         }
-        let rest = &self.bytes[self.pos + 1..];
-        let window = &rest[..rest.len().min(MAX_HEADER_LINE)];
-        let length = match window.iter().position(|&b| b == b'\n') {
-            Some(n) => n,
-            None if window.len() == rest.len() => rest.len(),
-            None => {
-                return Err(self.fault(
-                    "header",
-                    format!("a line of more than {MAX_HEADER_LINE} bytes"),
-                    "shorter lines",
-                ));
-            }
-        };
+        let rest = &self.buffer[self.pos + 1..self.end];
+        let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
         let raw = &rest[..length];
         if raw.iter().any(|&b| b < b' ' && b != b'\t' && b != b'\r') {
             return Err(self.fault("header", excerpt(raw), "text without control characters"));
@@ -136,21 +202,23 @@ impl<'a> Text<'a> {
             key: key.to_string(),
             value: value.to_string(),
         };
-        self.pos += 1 + length + usize::from(length < rest.len());
-        self.line += u64::from(length < rest.len());
+        let ended = usize::from(length < rest.len());
+        self.pos += 1 + length + ended;
+        self.line += ended as u64;
         Ok(Some(line))
     }
 
-    /// Rough number of rows from here on, from the length of the first ones; never more than the bytes can hold.
+    /// Rough number of rows from here on, from the length of the next ones; never more than the bytes can hold.
     pub(crate) fn expected_rows(&self, columns: usize) -> usize {
-        let rest = &self.bytes[self.pos..];
+        let rest = &self.buffer[self.pos..self.end];
+        let ahead = rest.len() as u64 + self.size.map_or(0, |size| size.saturating_sub(self.read));
         let head = &rest[..rest.len().min(1 << 14)];
         let lines = head.iter().filter(|&&b| b == b'\n').count();
         if lines == 0 {
             return 1;
         }
-        let guess = rest.len() as f64 / head.len() as f64 * lines as f64 * 1.03;
-        (guess as usize + 16).min(rest.len() / (2 * columns) + 1)
+        let guess = ahead as f64 / head.len() as f64 * lines as f64 * 1.03;
+        (guess as usize + 16).min(ahead as usize / (2 * columns) + 1)
     }
 
     /// Hands every row of exactly `N` numbers to `sink`, up to the end or a line that starts with `#`. Blank lines
@@ -162,66 +230,108 @@ impl<'a> Text<'a> {
     pub(crate) fn rows<const N: usize>(
         &mut self,
         names: [&'static str; N],
-        mut sink: impl FnMut([f64; N]) -> Result<(), Fault>,
+        mut sink: impl FnMut(&[f64; N]) -> Result<(), Fault>,
     ) -> Result<(), IoError> {
-        let bytes = self.bytes;
-        let mut pos = self.pos;
-        let mut line = self.line;
-        let done = 'rows: loop {
-            let mut row = [0.0; N];
-            for (column, x) in row.iter_mut().enumerate() {
-                while matches!(bytes.get(pos), Some(b' ' | b'\t')) {
-                    pos += 1;
-                }
-                match bytes.get(pos) {
-                    Some(b'0'..=b'9' | b'-' | b'.') => {}
-                    None if column == 0 => break 'rows Ok(()),
-                    Some(b'#') if column == 0 => break 'rows Ok(()),
-                    Some(b'\r') if column == 0 && bytes.get(pos + 1) == Some(&b'\n') => {
-                        pos += 2;
-                        line += 1;
-                        continue 'rows;
-                    }
-                    Some(b'\n') if column == 0 => {
-                        pos += 1;
-                        line += 1;
-                        continue 'rows;
-                    }
-                    None | Some(b'\r' | b'\n') => break 'rows Err(too_few(&names, column)),
-                    _ => {}
-                }
-                match number(bytes, pos) {
-                    Ok((value, end)) => {
-                        *x = value;
-                        pos = end;
-                    }
-                    Err(end) => break 'rows Err(no_number(&bytes[pos..end], names[column])),
-                }
+        while self.refill()? {
+            let (pos, line, done) = piece(&self.buffer, self.pos, self.end, self.line, &names, &mut sink);
+            self.pos = pos;
+            self.line = line;
+            match done {
+                Ok(Stop::Piece) => {}
+                Ok(Stop::Header) => break,
+                Err(f) => return Err(self.fault(f.field, f.found, f.allowed)),
             }
-            match bytes.get(pos) {
-                Some(b'\n') => pos += 1,
-                other => {
-                    let mut end = pos;
-                    if other.is_some() {
-                        while matches!(bytes.get(end), Some(b' ' | b'\t' | b'\r')) {
-                            end += 1;
-                        }
-                    }
-                    match bytes.get(end) {
-                        None => pos = end,
-                        Some(b'\n') => pos = end + 1,
-                        Some(_) => break Err(too_many(&names, &bytes[end..])),
-                    }
+        }
+        Ok(())
+    }
+}
+
+/// Why [`piece`] stopped.
+enum Stop {
+    /// At the end of the piece.
+    Piece,
+    /// Before a line that starts with `#`.
+    Header,
+}
+
+/// The rows of one piece of whole lines, `buffer[pos..end]`; where and on which line it stopped.
+#[inline(always)]
+fn piece<const N: usize>(
+    buffer: &[u8],
+    mut pos: usize,
+    end: usize,
+    mut line: u64,
+    names: &[&'static str; N],
+    sink: &mut impl FnMut(&[f64; N]) -> Result<(), Fault>,
+) -> (usize, u64, Result<Stop, Fault>) {
+    let mut row = [0.0; N];
+    loop {
+        let window = buffer[pos - BEFORE..].first_chunk();
+        let next = match window.and_then(|w| fast::row(w, &mut row)) {
+            Some(used) if pos + used <= end => pos + used,
+            _ => match careful_row(&buffer[..end], pos, names, &mut row) {
+                Ok(Line::Row(next)) => next,
+                Ok(Line::Blank(next)) => {
+                    pos = next;
+                    line += 1;
+                    continue;
                 }
-            }
-            if let Err(fault) = sink(row) {
-                break Err(fault);
-            }
-            line += 1;
+                Ok(Line::Stop(stop)) => return (pos, line, Ok(stop)),
+                Err(fault) => return (pos, line, Err(fault)),
+            },
         };
-        self.pos = pos;
-        self.line = line;
-        done.map_err(|f| self.fault(f.field, f.found, f.allowed))
+        if let Err(fault) = sink(&row) {
+            return (pos, line, Err(fault));
+        }
+        pos = next;
+        line += 1;
+    }
+}
+
+/// What a line is, and where the next one starts.
+enum Line {
+    Row(usize),
+    Blank(usize),
+    Stop(Stop),
+}
+
+/// The line that starts at `pos`, whatever it holds.
+#[inline(never)]
+fn careful_row<const N: usize>(
+    bytes: &[u8],
+    mut pos: usize,
+    names: &[&'static str; N],
+    row: &mut [f64; N],
+) -> Result<Line, Fault> {
+    for (column, x) in row.iter_mut().enumerate() {
+        while matches!(bytes.get(pos), Some(b' ' | b'\t')) {
+            pos += 1;
+        }
+        match bytes.get(pos) {
+            None if column == 0 => return Ok(Line::Stop(Stop::Piece)),
+            Some(b'#') if column == 0 => return Ok(Line::Stop(Stop::Header)),
+            Some(b'\r') if column == 0 && bytes.get(pos + 1) == Some(&b'\n') => {
+                return Ok(Line::Blank(pos + 2));
+            }
+            Some(b'\n') if column == 0 => return Ok(Line::Blank(pos + 1)),
+            None | Some(b'\r' | b'\n') => return Err(too_few(names, column)),
+            _ => {}
+        }
+        match number(bytes, pos) {
+            Ok((value, end)) => {
+                *x = value;
+                pos = end;
+            }
+            Err(end) => return Err(no_number(&bytes[pos..end], names[column])),
+        }
+    }
+    while matches!(bytes.get(pos), Some(b' ' | b'\t' | b'\r')) {
+        pos += 1;
+    }
+    match bytes.get(pos) {
+        None => Ok(Line::Row(pos)),
+        Some(b'\n') => Ok(Line::Row(pos + 1)),
+        Some(_) => Err(too_many(names, &bytes[pos..])),
     }
 }
 

@@ -6,12 +6,14 @@
 /// Longest number that is looked at; longer ones are not numbers but a broken file.
 pub(super) const MAX_LENGTH: usize = 1000;
 
-const POWERS: [f64; 23] = [
+/// Powers of ten that are exact.
+pub(super) const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
     1e19, 1e20, 1e21, 1e22,
 ];
 
-const EXACT: u64 = 1 << 53;
+/// Largest integer up to which every integer is an f64.
+pub(super) const EXACT: u64 = 1 << 53;
 
 /// Whether `b` ends a number.
 #[inline(always)]
@@ -62,7 +64,7 @@ pub(super) fn number(bytes: &[u8], start: usize) -> Result<(f64, usize), usize> 
         exponent += e;
         i = end;
     }
-    let value = mantissa as f64;
+    let value = mantissa as i64 as f64;
     let value = match exponent {
         0 => value,
         -22..0 => value / POWERS[-exponent as usize],
