@@ -16,6 +16,7 @@ from gonio._native import (
 )
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
+from gonio.processing import process
 from gonio.readings import Readings, read
 
 __all__ = [
@@ -34,5 +35,6 @@ __all__ = [
     "Verdict",
     "__version__",
     "inspect",
+    "process",
     "read",
 ]

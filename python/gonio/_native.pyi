@@ -208,7 +208,6 @@ def simulate(
     started: str | None = None,
     settings: Mapping[str, float],
 ) -> list[Scan]: ...
-
 def process(
     sample: Sequence[Scan],
     *,

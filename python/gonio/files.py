@@ -59,14 +59,8 @@ def replacing_directory(path: str | os.PathLike[str], *, marker: str, force: boo
         The file system refuses (no such parent, no permission, disk full); nothing is left behind.
     """
     target = Path(path)
-    if target.exists() and not target.is_dir():
-        raise NotADirectoryError(20, "is a file, a directory is needed", str(target))
-    if target.is_dir() and not force and any(target.iterdir()) and not (target / marker).is_file():
-        raise FormatError(
-            f"{target}: found a directory with other files in it, allowed a new or empty directory or an "
-            f"earlier result (one that holds {marker}); force=True (--force) writes there all the same"
-        )
-    staged = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=_existing_parent(target, path)))
+    parent = check_directory(target, marker=marker, force=force)
+    staged = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=parent))
     try:
         yield staged
         if target.is_dir():
@@ -79,6 +73,22 @@ def replacing_directory(path: str | os.PathLike[str], *, marker: str, force: boo
     except BaseException:
         shutil.rmtree(staged, ignore_errors=True)
         raise
+
+
+def check_directory(path: str | os.PathLike[str], *, marker: str, force: bool = False) -> Path:
+    """Parent of the directory `path`, when `replacing_directory` would write there; its errors otherwise.
+
+    Long work asks this first.
+    """
+    target = Path(path)
+    if target.exists() and not target.is_dir():
+        raise NotADirectoryError(20, "is a file, a directory is needed", str(target))
+    if target.is_dir() and not force and any(target.iterdir()) and not (target / marker).is_file():
+        raise FormatError(
+            f"{target}: found a directory with other files in it, allowed a new or empty directory or an "
+            f"earlier result (one that holds {marker}); force=True (--force) writes there all the same"
+        )
+    return _existing_parent(target, path)
 
 
 def _existing_parent(target: Path, given: str | os.PathLike[str]) -> Path:

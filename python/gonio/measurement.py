@@ -19,6 +19,7 @@ from gonio._native import (
     HemisphericalIntegral,
     MeasurementData,
     Slice,
+    Verdict,
 )
 from gonio.files import replacing_directory, replacing_file, sha256
 
@@ -44,6 +45,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "omega": ("sr", "solid-angle weight of the reading"),
     "flags": ("1", "bit flags of the reading"),
 }
+VERDICT_FIELDS = ("id", "title", "verdict", "value", "unit", "sentence")
 FRAME = (
     "right-handed, z = outward normal of the front, x = zero-azimuth mark; every direction leaves the surface"
 )
@@ -65,6 +67,8 @@ class Measurement:
         Physics warnings found on the way.
     provenance
         Where the numbers come from: input files with their SHA-256, versions, settings, time.
+    findings
+        Verdicts that only the raw readings allow, made while processing.
 
     Raises
     ------
@@ -80,11 +84,13 @@ class Measurement:
         signature_fwhm: float | None = None,
         warnings: Sequence[str] = (),
         provenance: Mapping[str, Any] | None = None,
+        findings: Sequence[Verdict] = (),
     ) -> None:
         self._data = MeasurementData(
             list(slices), sample_name=sample_name, signature_fwhm=signature_fwhm, warnings=list(warnings)
         )
         self._provenance = dict(provenance or {})
+        self._findings = list(findings)
 
     @classmethod
     def _wrap(cls, data: MeasurementData, *, provenance: Mapping[str, Any]) -> Measurement:
@@ -92,6 +98,7 @@ class Measurement:
         self = cls.__new__(cls)
         self._data = data
         self._provenance = dict(provenance)
+        self._findings = data.findings
         return self
 
     @property
@@ -120,6 +127,11 @@ class Measurement:
         return self._provenance
 
     @property
+    def findings(self) -> list[Verdict]:
+        """Verdicts that only the raw readings allow (does the blank match?), made while processing."""
+        return self._findings
+
+    @property
     def channels(self) -> list[str]:
         """Names of the channels, in the order of the slices."""
         return list(dict.fromkeys(s.channel for s in self.slices))
@@ -140,6 +152,18 @@ class Measurement:
             f"Measurement({self.sample_name!r}, slices={len(self)}, readings={readings}, "
             f"channels=[{channels}])"
         )
+
+    def summary(self) -> dict[str, Any]:
+        """Plain values that describe the measurement: everything but the readings and the provenance."""
+        readings = [len(s) for s in self.slices]
+        return {
+            "sample_name": self.sample_name,
+            "signature_fwhm": self.signature_fwhm,
+            "channels": self.channels,
+            "readings": sum(readings),
+            "warnings": self.warnings,
+            "slices": [_slice_header(s) for s in self.slices],
+        }
 
     def to_table(self) -> pa.Table:
         """Table with one row a reading; columns as in docs/data-model.md, their units also in the schema."""
@@ -291,26 +315,8 @@ class Measurement:
             "frame": FRAME,
             "flags": FLAGS,
             "warnings": self.warnings,
-            "slices": [
-                {
-                    "theta_i": s.theta_i,
-                    "phi_i": s.phi_i,
-                    "channel": s.channel,
-                    "readings": len(s),
-                    "u_common": s.u_common,
-                    "integrals": [
-                        {
-                            "side": i.side,
-                            "value": i.value,
-                            "extrapolated": i.extrapolated,
-                            "u": i.u,
-                            "u_quadrature": i.u_quadrature,
-                        }
-                        for i in s.integrals
-                    ],
-                }
-                for s in self.slices
-            ],
+            "slices": [_slice_header(s) for s in self.slices],
+            "findings": [{name: getattr(v, name) for name in VERDICT_FIELDS} for v in self.findings],
             "provenance": self.provenance,
             "table": {"name": PARQUET_NAME, "sha256": digest},
         }
@@ -337,6 +343,7 @@ class Measurement:
             )
         try:
             slices = _slices_of(header, pq.read_table(table_path))
+            findings = [Verdict(**finding) for finding in header["findings"]]
         except (KeyError, TypeError, pa.ArrowException, DomainError) as error:
             raise FormatError(f"{directory}: found a damaged measurement ({error})") from error
         return cls(
@@ -345,7 +352,29 @@ class Measurement:
             signature_fwhm=header["signature_fwhm"],
             warnings=header["warnings"],
             provenance=header["provenance"],
+            findings=findings,
         )
+
+
+def _slice_header(s: Slice) -> dict[str, Any]:
+    """What holds for a slice as a whole."""
+    return {
+        "theta_i": s.theta_i,
+        "phi_i": s.phi_i,
+        "channel": s.channel,
+        "readings": len(s),
+        "u_common": s.u_common,
+        "integrals": [
+            {
+                "side": i.side,
+                "value": i.value,
+                "extrapolated": i.extrapolated,
+                "u": i.u,
+                "u_quadrature": i.u_quadrature,
+            }
+            for i in s.integrals
+        ],
+    }
 
 
 def _read_header(path: Path) -> dict[str, Any]:
@@ -360,7 +389,15 @@ def _read_header(path: Path) -> dict[str, Any]:
         raise FormatError(
             f"{path}: format_version: found {header.get('format_version')!r}, allowed {FORMAT_VERSION}"
         )
-    needed = ("sample_name", "signature_fwhm", "warnings", "provenance", "slices", "table")
+    needed = (
+        "sample_name",
+        "signature_fwhm",
+        "warnings",
+        "slices",
+        "findings",
+        "provenance",
+        "table",
+    )
     missing = [name for name in needed if name not in header]
     if missing or not isinstance(header["table"], dict) or "sha256" not in header["table"]:
         raise FormatError(f"{path}: found no {', '.join(missing) or 'table.sha256'}")

@@ -8,6 +8,7 @@ import typer
 
 import gonio
 from gonio.cli.inspect import inspect
+from gonio.cli.process import process
 from gonio.cli.running import verb
 
 app = typer.Typer(
@@ -34,7 +35,7 @@ def _root(
     pass
 
 
-for function in (inspect,):
+for function in (inspect, process):
     verb(app, function)
 
 

@@ -35,12 +35,12 @@ def inspect(
 
 
 def _show(file: FileSummary) -> None:
-    out.print(f"{file.path} ({file.format}, {len(file.records)} records)", highlight=False, style="bold")
+    out.print(f"{file.path} ({file.format}, {len(file.records)} records)", style="bold")
     rows = [_row(record) for record in file.records]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         line = "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True))
-        out.print(f"  {line.rstrip()}", highlight=False)
+        out.print(f"  {line.rstrip()}")
 
 
 def _row(r: RecordSummary) -> list[str]:

@@ -26,8 +26,12 @@ Quantity = Annotated[
 Channel = Annotated[
     str | None,
     typer.Option(
-        "--channel", help="photopic, red, green, blue or a wavelength such as 532nm: the one to take."
+        "--channel",
+        help="photopic, red, green, blue or a wavelength such as 532nm, where the file does not tell it.",
     ),
+]
+UpPhi = Annotated[
+    float | None, typer.Option("--upphi", help="Azimuth of the up mark of Mountain files, degrees.")
 ]
 
 

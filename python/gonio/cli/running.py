@@ -26,7 +26,7 @@ EXIT_INTERRUPTED = 130
 
 F = TypeVar("F", bound=Callable[..., None])
 
-out = Console(soft_wrap=True)
+out = Console(soft_wrap=True, highlight=False, markup=False)
 err = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]

@@ -1,0 +1,73 @@
+"""`gonio process`: from raw readings to a measurement."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gonio
+from gonio.cli.reading import Channel, Columns, Format, Quantity, UpPhi, column_map
+from gonio.cli.running import Force, Json, out, print_json, progress_bar, warn
+
+
+def process(
+    files: Annotated[list[Path], typer.Argument(help="Readings of the sample.")],
+    to: Annotated[Path, typer.Option("-o", "--out", help="Directory of the measurement.")],
+    beam: Annotated[list[Path] | None, typer.Option(help="Reference scan of the beam; repeat it.")] = None,
+    dark: Annotated[list[Path] | None, typer.Option(help="Dark or blank scan; repeat it.")] = None,
+    format: Format = None,
+    column: Columns = None,
+    quantity: Quantity = None,
+    channel: Channel = None,
+    upphi: UpPhi = None,
+    dark_method: Annotated[str, typer.Option(help="auto, direction, time or level.")] = "auto",
+    dark_tolerance: Annotated[float, typer.Option(help="Degrees between reading and blank.")] = 0.25,
+    noise_readout: Annotated[float | None, typer.Option(help="Read-out noise, unit of the readings.")] = None,
+    noise_relative: Annotated[float | None, typer.Option(help="Noise as a fraction of the signal.")] = None,
+    u_angle: Annotated[float, typer.Option(help="Standard uncertainty of a direction, degrees.")] = 0.0,
+    u_calibration: Annotated[float, typer.Option(help="Relative standard uncertainty of all values.")] = 0.0,
+    shadow_radius: Annotated[
+        float | None, typer.Option(help="Detector shadow about the retro direction, degrees.")
+    ] = None,
+    netcdf: Annotated[Path | None, typer.Option(help="Write a netCDF file, too.")] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Process raw readings to DSF and BSDF with their uncertainty."""
+    with progress_bar(hidden=json) as progress:
+        measurement = gonio.process(
+            files,
+            beam=beam,
+            dark=dark,
+            format=format,
+            columns=column_map(column),
+            quantity=quantity,
+            channel=channel,
+            upphi=upphi,
+            dark_method=dark_method,
+            dark_tolerance=dark_tolerance,
+            noise_readout=noise_readout,
+            noise_relative=noise_relative,
+            u_angle=u_angle,
+            u_calibration=u_calibration,
+            shadow_radius=shadow_radius,
+            out=to,
+            force=force,
+            progress=progress,
+        )
+        if netcdf is not None:
+            measurement.to_netcdf(netcdf)
+    warn(measurement.warnings)
+    if json:
+        print_json({"out": to, **measurement.summary()})
+        return
+    out.print(f"{to}: {measurement}")
+    for s in measurement.slices:
+        for i in s.integrals:
+            name = "DHR" if (s.theta_i <= 90) == (i.side == "front") else "DHT"
+            out.print(
+                f"  {s.channel}  theta_i {s.theta_i:.4g}  phi_i {s.phi_i:.4g}  {name} "
+                f"{i.value:.4f} ± {2 * i.u:.4f} (k = 2), {i.extrapolated:.4f} of it extrapolated",
+            )

@@ -1,0 +1,172 @@
+"""From raw readings to a measurement: dark, beam power, DSF, uncertainty, weights, integrals."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeAlias
+
+from gonio import _native
+from gonio._native import QuantityError, Scan
+from gonio.files import check_directory
+from gonio.measurement import JSON_NAME, Measurement
+from gonio.provenance import input_file, provenance
+from gonio.readings import PathLike, read_file
+from gonio.working import Progress, interruptible, silent
+
+Source: TypeAlias = PathLike | Iterable[PathLike | Scan]
+"""A path, or paths and scans in any mixture; `Readings` is such a list."""
+
+KINDS = ("sample", "beam", "dark", "standard")
+
+
+def process(
+    files: Source,
+    *,
+    beam: Source | None = None,
+    dark: Source | None = None,
+    format: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    quantity: str | None = None,
+    channel: str | None = None,
+    upphi: float | None = None,
+    dark_method: str = "auto",
+    dark_tolerance: float = 0.25,
+    noise_readout: float | None = None,
+    noise_relative: float | None = None,
+    u_angle: float = 0.0,
+    u_calibration: float = 0.0,
+    shadow_radius: float | None = None,
+    out: PathLike | None = None,
+    force: bool = False,
+    progress: Progress = silent,
+) -> Measurement:
+    """Process raw readings of a sample to DSF and BSDF with their uncertainty.
+
+    Raw signals are freed of the dark reading and divided by the beam power of the reference scan. Values that
+    are a BSDF, DSF or reflectance factor already are kept and need no reference scan.
+
+    Parameters
+    ----------
+    files
+        Files or scans of the sample. Reference and dark scans among them are used as such.
+    beam
+        Reference scan of the bare beam, of the same channel as the sample.
+    dark
+        Dark readings, or a blank scanned over the directions of the sample.
+    format, columns, quantity, channel, upphi
+        What the files do not tell, as in `gonio.read`; `quantity` holds for the sample's files only.
+    dark_method
+        How dark readings are assigned: direction, time, level, or auto.
+    dark_tolerance
+        Largest angle in degrees between a reading and its blank reading.
+    noise_readout
+        Standard deviation of the read-out noise, unit of the readings, in place of what the files state.
+    noise_relative
+        Standard deviation of the noise proportional to the signal, as a fraction.
+    u_angle
+        Standard uncertainty of each receiver direction, degrees.
+    u_calibration
+        Relative standard uncertainty common to all values beyond that of the beam power, as a fraction.
+    shadow_radius
+        Readings within this angle of the retro direction lie in the detector's shadow, degrees; None takes it
+        from the apertures where they are known.
+    out
+        Directory to save the measurement to; it is checked before the work and appears whole or not at all.
+    force
+        Write into a directory that holds other files.
+    progress
+        Called with stage, parts done and parts in all.
+
+    Raises
+    ------
+    FormatError
+        A file does not follow its format, or `out` holds other files.
+    QuantityError
+        Mixed quantities; a reference scan that is missing or of another channel.
+    DomainError
+        A value or option outside its range; an empty scan.
+    OSError
+        The operating system refuses.
+    """
+    if out is not None:
+        check_directory(out, marker=JSON_NAME, force=force)
+    sources = {"sample": files, "beam": beam, "dark": dark}
+    told = {"format": format, "columns": columns, "channel": channel, "upphi": upphi}
+    scans, inputs = _gather(sources, told, quantity, progress)
+    if scans["standard"]:
+        raise QuantityError(
+            f"kind: found {len(scans['standard'])} scans of a standard, needed sample, beam and dark scans"
+        )
+    settings = {
+        "dark_method": dark_method,
+        "dark_tolerance": dark_tolerance,
+        "noise_readout": noise_readout,
+        "noise_relative": noise_relative,
+        "u_angle": u_angle,
+        "u_calibration": u_calibration,
+        "shadow_radius": shadow_radius,
+    }
+    progress("processing", 0, 1)
+    data = interruptible(
+        lambda: _native.process(
+            scans["sample"],
+            beam=scans["beam"],
+            dark=scans["dark"],
+            dark_method=dark_method,
+            dark_tolerance=dark_tolerance,
+            noise_readout=noise_readout,
+            noise_relative=noise_relative,
+            u_angle=u_angle,
+            u_calibration=u_calibration,
+            shadow_radius=shadow_radius,
+        )
+    )
+    progress("processing", 1, 1)
+    origin = provenance(inputs=inputs, settings={**told, "quantity": quantity, **settings})
+    measurement = Measurement._wrap(data, provenance={**origin, "processing": data.processing})
+    if out is not None:
+        progress("saving", 0, 1)
+        measurement.save(out, force=force)
+        progress("saving", 1, 1)
+    return measurement
+
+
+def _gather(
+    sources: Mapping[str, Source | None],
+    told: Mapping[str, Any],
+    quantity: str | None,
+    progress: Progress,
+) -> tuple[dict[str, list[Scan]], list[dict[str, Any]]]:
+    """Scans by kind, and the files they came from with their hashes."""
+    items = [(role, item) for role, source in sources.items() for item in _items(source)]
+    scans: dict[str, list[Scan]] = {kind: [] for kind in KINDS}
+    inputs: list[dict[str, Any]] = []
+    for done, (role, item) in enumerate(items):
+        progress("reading", done, len(items))
+        if isinstance(item, Scan):
+            found = [item]
+        else:
+            inputs.append(interruptible(lambda path=item, role=role: input_file(path, role=role)))  # type: ignore[misc]
+            found = interruptible(lambda path=item, role=role: _read(path, role, told, quantity))  # type: ignore[misc]
+        for scan in found:
+            if role not in ("sample", scan.kind):
+                name = scan.meta.get("source", "scan")
+                raise QuantityError(f"{name}: kind: found {scan.kind}, needed {role}")
+            scans[scan.kind].append(scan)
+    progress("reading", len(items), len(items))
+    return scans, inputs
+
+
+def _items(source: Source | None) -> list[PathLike | Scan]:
+    if source is None:
+        return []
+    return [source] if isinstance(source, (str, os.PathLike)) else list(source)
+
+
+def _read(path: PathLike, role: str, told: Mapping[str, Any], quantity: str | None) -> list[Scan]:
+    """Scans of a file; files that do not tell their kind take it from their role."""
+    of_sample = role == "sample"
+    return read_file(
+        path, **told, kind=None if of_sample else role, quantity=quantity if of_sample else None
+    )[1]
