@@ -18,6 +18,8 @@ from gonio.inspecting import inspect
 from gonio.measurement import Measurement
 from gonio.processing import process
 from gonio.readings import Readings, read
+from gonio.reporting import report
+from gonio.simulating import simulate
 
 __all__ = [
     "FLAGS",
@@ -37,4 +39,6 @@ __all__ = [
     "inspect",
     "process",
     "read",
+    "report",
+    "simulate",
 ]

@@ -6,7 +6,7 @@ import hashlib
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -44,11 +44,14 @@ def replacing_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
-def replacing_directory(path: str | os.PathLike[str], *, marker: str, force: bool = False) -> Iterator[Path]:
+def replacing_directory(
+    path: str | os.PathLike[str], *, marker: str, owned: Sequence[str] = (), force: bool = False
+) -> Iterator[Path]:
     """Give a temporary directory beside `path`; its files move to `path` when the block ends without error.
 
     A new directory appears in one step. Into an existing one the files are moved one by one over their older
-    versions, and files of other names stay. An existing directory that is neither empty nor holds the file
+    versions; files there that match a pattern of `owned` and were not written anew belonged to the earlier
+    result and go, all others stay. An existing directory that is neither empty nor holds the file
     `marker` (so it is no earlier result of the same kind) is refused unless `force` is set.
 
     Raises
@@ -64,8 +67,13 @@ def replacing_directory(path: str | os.PathLike[str], *, marker: str, force: boo
     try:
         yield staged
         if target.is_dir():
+            new = set()
             for file in sorted(staged.iterdir(), key=lambda f: f.name == marker):
                 file.replace(target / file.name)
+                new.add(file.name)
+            for old in {f for pattern in owned for f in target.glob(pattern)}:
+                if old.name not in new:
+                    old.unlink()
             staged.rmdir()
         else:
             staged.chmod(_default_mode(0o777))

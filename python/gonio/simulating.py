@@ -17,6 +17,9 @@ from gonio.materials import material as named_material
 NOTEBOOK = "campaign.json"
 """Name of the file that keeps what was simulated; the measurement chain does not read it."""
 
+FILES = ("sample_*.txt", "beam.txt", "dark.txt")
+"""Names of a campaign's raw files."""
+
 STARTED = "2026-01-05T08:00:00Z"
 """Begin of every virtual campaign: the same settings give the same files."""
 
@@ -108,7 +111,7 @@ def simulate(
     for record in records:
         groups.setdefault(_file_name(record), []).append(record)
     directory = Path(out)
-    with replacing_directory(directory, marker=NOTEBOOK, force=force) as staged:
+    with replacing_directory(directory, marker=NOTEBOOK, owned=FILES, force=force) as staged:
         for name, scans in groups.items():
             _native.write_raw(staged / name, scans)
         (staged / NOTEBOOK).write_text(json.dumps(notes, indent=2) + "\n", encoding="utf-8")

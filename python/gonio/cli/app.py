@@ -9,7 +9,9 @@ import typer
 import gonio
 from gonio.cli.inspect import inspect
 from gonio.cli.process import process
+from gonio.cli.report import report
 from gonio.cli.running import verb
+from gonio.cli.simulate import simulate
 
 app = typer.Typer(
     name="gonio",
@@ -35,7 +37,7 @@ def _root(
     pass
 
 
-for function in (inspect, process):
+for function in (inspect, process, report, simulate):
     verb(app, function)
 
 

@@ -13,8 +13,8 @@ from gonio._drawing.mesh import Mesh
 from gonio._drawing.shapes import MeasurementLike, Snapshot
 from gonio._drawing.thinning import thin_curve
 from gonio._native import FLAGS
-from gonio.report.compare import Reference
-from gonio.report.drawn import DrawnSlice, draw_all
+from gonio.reporting.compare import Reference
+from gonio.reporting.drawn import DrawnSlice, draw_all
 
 MOST_OF_A_PROFILE = 3_000
 """Points of one profile, and marks on it, that are drawn."""

@@ -3,8 +3,8 @@
 from gonio._drawing.directions import component_of
 from gonio._drawing.numbers import number, percent, with_uncertainty
 from gonio._drawing.shapes import MeasurementLike
-from gonio.report.drawn import DrawnSlice
-from gonio.report.header import grouped
+from gonio.reporting.drawn import DrawnSlice
+from gonio.reporting.header import grouped
 
 
 def integral_rows(measurement: MeasurementLike) -> list[dict[str, str]]:

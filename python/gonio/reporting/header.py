@@ -5,8 +5,8 @@ from typing import Any
 
 from gonio._drawing.numbers import number
 from gonio._drawing.shapes import MeasurementLike, VerdictLike
-from gonio.report.drawn import DrawnSlice
-from gonio.report.provenance import find
+from gonio.reporting.drawn import DrawnSlice
+from gonio.reporting.provenance import find
 
 ICONS = {"pass": "✓", "warn": "!", "fail": "✕", "info": "i"}
 """The sign of each verdict, so that colour is never needed to tell them apart."""

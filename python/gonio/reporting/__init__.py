@@ -1,5 +1,5 @@
 """The self-contained HTML report of a measurement: one file that opens offline."""
 
-from gonio.report.page import render_report
+from gonio.reporting.verb import report
 
-__all__ = ["render_report"]
+__all__ = ["report"]

@@ -9,7 +9,7 @@ from gonio._drawing.numbers import number, percent
 from gonio._drawing.shapes import BsdfLike, Floats, Snapshot, unusable
 
 if TYPE_CHECKING:
-    from gonio.report.drawn import DrawnSlice
+    from gonio.reporting.drawn import DrawnSlice
 
 MOST_COMPARED = 20_000
 """Readings of a slice that are compared with a reference, evenly spread over the record."""

@@ -8,8 +8,8 @@ import numpy as np
 from gonio._drawing.directions import component_of
 from gonio._drawing.numbers import number
 from gonio._drawing.shapes import Floats
-from gonio.report.drawn import DrawnSlice
-from gonio.report.payload import incidence_of
+from gonio.reporting.drawn import DrawnSlice
+from gonio.reporting.payload import incidence_of
 
 WIDTH, HEIGHT = 132.0, 46.0
 """Size of a small profile in pixels."""

@@ -12,8 +12,8 @@ from plotly.offline import get_plotlyjs
 from gonio._drawing import numbers
 from gonio._drawing.shapes import BsdfLike, MeasurementLike, VerdictLike
 from gonio.files import replacing_file
-from gonio.report import compare, glossary, header, provenance, sparkline, tables
-from gonio.report.payload import build_payload, to_json
+from gonio.reporting import compare, glossary, header, provenance, sparkline, tables
+from gonio.reporting.payload import build_payload, to_json
 
 SCRIPTS = ("base.js", "data.js", "dhr.js", "profile.js", "lobe.js", "heatmap.js", "main.js")
 """Scripts of the page in the order in which they are inlined."""
@@ -98,7 +98,7 @@ def render_report(
 
 def _environment() -> Environment:
     environment = Environment(
-        loader=PackageLoader("gonio.report"),
+        loader=PackageLoader("gonio.reporting"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -110,4 +110,4 @@ def _environment() -> Environment:
 
 
 def _static(name: str) -> Markup:
-    return Markup((resources.files("gonio.report") / "static" / name).read_text(encoding="utf-8"))
+    return Markup((resources.files("gonio.reporting") / "static" / name).read_text(encoding="utf-8"))
