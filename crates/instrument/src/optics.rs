@@ -128,14 +128,14 @@ pub struct Detector {
 }
 
 impl Default for Detector {
-    /// 1.020 m, aperture of .1 degrees, noise 0.1 and 1 %, dark 2 swinging by 0.5 in two hours, 100 readings a second,
+    /// 1.020 m, aperture of .1 degrees, noise .05 and .8 %, dark 2 swinging by 0.5 in two hours, 100 readings a second,
     /// shadow of 3 degrees, pointing to .001 degrees.
     fn default() -> Self {
         Detector {
             distance: 1.020,
             aperture: 0.1_f64.to_radians(),
-            noise_readout: 0.1,
-            noise_relative: 0.01,
+            noise_readout: 0.05,
+            noise_relative: 0.008,
             dark_level: 2.0,
             dark_swing: 0.5,
             dark_period: 7200.0,
