@@ -73,35 +73,104 @@ impl NoiseModel {
     /// Estimates the noise from readings that follow one another on the detector's path.
     ///
     /// Second and fourth differences of equally spaced neighbours cancel a smooth signal; for independent noise
-    /// their standard deviations are `sqrt(6)` and `sqrt(70)` times that of one reading. The smaller of the two
-    /// estimates is kept in every level bin (what is left of the signal only ever enlarges them), each by the median
-    /// of absolute values, so that edges and outliers do not count. `readout` comes from `dark` where that has
+    /// their standard deviations are `sqrt(6)` and `sqrt(70)` times that of one reading. In every level bin the two
+    /// are averaged, or the smaller is kept where they disagree (what is left of the signal only ever enlarges
+    /// them), each by a median, so that edges and outliers do not count. `readout` comes from `dark` where that has
     /// enough readings, else from the lowest bins of `sample`; `relative` is the median over the bins in which it
-    /// shows. Returns [`NoiseModel::UNKNOWN`] when no bin holds enough windows. A coarse grid over a narrow lobe
-    /// gives an upper bound, since its unresolved structure counts as noise.
+    /// shows, each with the weight of its windows. Levels count from the median of `dark`. Returns
+    /// [`NoiseModel::UNKNOWN`] when no bin holds enough windows. A coarse grid over a narrow lobe gives an upper
+    /// bound, since its unresolved structure counts as noise.
     pub fn estimate(sample: &[&Scan], dark: &[&Scan]) -> Self {
         let dark_readout = scatter_of(dark);
-        let bins = level_bins(sample, dark_readout.unwrap_or(0.0));
-        let readout = dark_readout.or_else(|| bins.first().map(|b| b.sigma));
+        let bins = level_bins(sample, dark_readout.unwrap_or(0.0), dark_level(dark));
+        let readout = dark_readout.or_else(|| bins.first().and_then(Bin::sigma));
         let Some(readout) = readout else {
             return NoiseModel::UNKNOWN;
         };
-        let mut fractions: Vec<f64> = bins
+        let fractions: Vec<(f64, usize)> = bins
             .iter()
-            .filter(|b| b.sigma > 1.5 * readout && b.level > 0.0)
-            .map(|b| (b.sigma.powi(2) - readout.powi(2)).sqrt() / b.level)
+            .filter(|b| b.level > 0.0)
+            .filter_map(|b| Some((b.relative(readout)?, b.level, b.windows.len())))
+            .filter(|&(q, level, _)| q * level > readout)
+            .map(|(q, _, n)| (q, n))
             .collect();
         NoiseModel {
             readout,
-            relative: median(&mut fractions).unwrap_or(0.0),
+            relative: weighted_median(fractions).unwrap_or(0.0),
             origin: NoiseOrigin::Estimated,
         }
     }
 }
 
+/// Median of the finite dark readings; 0 without any.
+fn dark_level(dark: &[&Scan]) -> f64 {
+    let mut all: Vec<f64> = dark
+        .iter()
+        .flat_map(|s| s.value.iter().copied())
+        .filter(|v| v.is_finite())
+        .collect();
+    median(&mut all).unwrap_or(0.0)
+}
+
+/// The value at which half of the total weight is reached.
+fn weighted_median(mut values: Vec<(f64, usize)>) -> Option<f64> {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: usize = values.iter().map(|v| v.1).sum();
+    let mut sum = 0;
+    values
+        .iter()
+        .find(|v| {
+            sum += v.1;
+            2 * sum >= total
+        })
+        .map(|v| v.0)
+}
+
+/// Windows of similar level.
 struct Bin {
     level: f64,
-    sigma: f64,
+    windows: Vec<Window>,
+}
+
+/// Square of the median absolute value of a standard normal variable.
+const MEDIAN_SQUARE: f64 = 0.454_936_423_119_572_8;
+
+impl Bin {
+    /// Standard deviation of a reading of this bin, whatever its level.
+    fn sigma(&self) -> Option<f64> {
+        let of = |pick: fn(&Window) -> f64| {
+            sigma_about_zero(&mut self.windows.iter().map(pick).collect::<Vec<_>>())
+        };
+        self.agree(of(|w| w.second)?, of(|w| w.fourth)?)
+    }
+
+    /// The proportional noise `q` for which half of the differences `d` lie below the median of their distribution,
+    /// `d^2 < m (readout^2 + (q level)^2)`: the median of `(d^2 / m - readout^2) / level^2` is `q^2` whatever the
+    /// spread of levels.
+    fn relative(&self, readout: f64) -> Option<f64> {
+        let of = |pick: fn(&Window) -> f64| {
+            let mut squares: Vec<f64> = self
+                .windows
+                .iter()
+                .filter(|w| w.level > 0.0)
+                .map(|w| (pick(w).powi(2) / MEDIAN_SQUARE - readout * readout) / (w.level * w.level))
+                .collect();
+            median(&mut squares).map(|q2| q2.max(0.0).sqrt())
+        };
+        self.agree(of(|w| w.second)?, of(|w| w.fourth)?)
+    }
+
+    /// Mean of the two estimates, or the smaller one when they differ by more than three times their scatter: a
+    /// median of absolute values scatters by 1.17 / sqrt(n), windows overlap threefold.
+    fn agree(&self, second: f64, fourth: f64) -> Option<f64> {
+        let scatter = 2.0 / (self.windows.len() as f64).sqrt();
+        let (low, high) = (second.min(fourth), second.max(fourth));
+        Some(if high - low > 3.0 * scatter * low {
+            low
+        } else {
+            0.5 * (low + high)
+        })
+    }
 }
 
 /// Scatter of all windows of the records together, whatever their level.
@@ -131,15 +200,18 @@ fn scatter_of(scans: &[&Scan]) -> Option<f64> {
     Some(sigma_about_zero(&mut second)?.min(sigma_about_zero(&mut fourth)?))
 }
 
-/// Scatter by level, lowest level first; levels below `floor` share the first bin.
-fn level_bins(scans: &[&Scan], floor: f64) -> Vec<Bin> {
-    let all: Vec<Window> = scans.iter().flat_map(|s| windows(s)).collect();
+/// Windows by level above `dark`, lowest level first; levels below `floor` share the first bin.
+fn level_bins(scans: &[&Scan], floor: f64, dark: f64) -> Vec<Bin> {
+    let mut all: Vec<Window> = scans.iter().flat_map(|s| windows(s)).collect();
+    for w in &mut all {
+        w.level -= dark;
+    }
     let mut scale: Vec<f64> = all.iter().map(|w| w.second.abs()).collect();
     let lowest = floor
         .max(median(&mut scale).unwrap_or(0.0) * 1e-3)
         .max(f64::MIN_POSITIVE);
-    let mut bins = std::collections::BTreeMap::<i64, Vec<&Window>>::new();
-    for w in &all {
+    let mut bins = std::collections::BTreeMap::<i64, Vec<Window>>::new();
+    for w in all {
         let key = if w.level <= lowest {
             -1
         } else {
@@ -147,18 +219,15 @@ fn level_bins(scans: &[&Scan], floor: f64) -> Vec<Bin> {
         };
         bins.entry(key).or_default().push(w);
     }
-    let sigma_of = |members: &[&Window]| -> Option<Bin> {
-        let mut second: Vec<f64> = members.iter().map(|w| w.second).collect();
-        let mut fourth: Vec<f64> = members.iter().map(|w| w.fourth).collect();
-        let mut level: Vec<f64> = members.iter().map(|w| w.level).collect();
-        Some(Bin {
-            level: median(&mut level)?,
-            sigma: sigma_about_zero(&mut second)?.min(sigma_about_zero(&mut fourth)?),
-        })
-    };
-    bins.values()
+    bins.into_values()
         .filter(|members| members.len() >= MIN_WINDOWS)
-        .filter_map(|members| sigma_of(members))
+        .filter_map(|windows| {
+            let mut level: Vec<f64> = windows.iter().map(|w| w.level).collect();
+            Some(Bin {
+                level: median(&mut level)?,
+                windows,
+            })
+        })
         .collect()
 }
 
