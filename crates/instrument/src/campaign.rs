@@ -44,7 +44,7 @@ pub struct Campaign {
 }
 
 impl Default for Campaign {
-    /// 8, 20, 35, 50, 60, 70, 75 degrees in reflection, seed 1, three beam scans, 400 dark readings each.
+    /// 8, 20, 35, 50, 60, 70, 75 degrees in reflection, seed 1, three beam scans, 1000 dark readings each.
     fn default() -> Self {
         Campaign {
             incidences: [8.0, 20.0, 35.0, 50.0, 60.0, 70.0, 75.0]
@@ -53,7 +53,7 @@ impl Default for Campaign {
             components: vec![Component::Reflection],
             seed: 1,
             beam_scans: 3,
-            dark_readings: 400,
+            dark_readings: 1000,
             sample_name: None,
             started: None,
         }
