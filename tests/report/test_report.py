@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import gonio
 import numpy as np
 import pytest
-from gonio.reporting import render_report
+from gonio.reporting.page import render_report
 
 from . import samples
 

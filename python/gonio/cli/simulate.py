@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -9,6 +10,19 @@ import typer
 
 import gonio
 from gonio.cli.running import Force, Json, out, pairs, print_json
+
+
+class Hemisphere(StrEnum):
+    """Names of `--component`."""
+
+    REFLECTION = "reflection"
+    TRANSMISSION = "transmission"
+
+
+COMPONENTS: dict[Hemisphere, Literal["reflection", "transmission"]] = {
+    Hemisphere.REFLECTION: "reflection",
+    Hemisphere.TRANSMISSION: "transmission",
+}
 
 
 def simulate(
@@ -19,7 +33,7 @@ def simulate(
         list[str] | None, typer.Option(metavar="THETA,PHI", help="Incidence in degrees; repeat it.")
     ] = None,
     component: Annotated[
-        list[Literal["reflection", "transmission"]] | None,
+        list[Hemisphere] | None,
         typer.Option(help="reflection or transmission; repeat it."),
     ] = None,
     instrument: Annotated[
@@ -39,7 +53,7 @@ def simulate(
         material=material,
         seed=seed,
         incidences=[_incidence(text) for text in incidence] if incidence else None,
-        components=component or None,
+        components=[COMPONENTS[c] for c in component] if component else None,
         instrument=settings,
         force=force,
     )

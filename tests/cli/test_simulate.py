@@ -1,0 +1,39 @@
+import json
+
+import pytest
+
+from tests.cli.conftest import listing, one_clear_error
+
+
+def test_simulate_writes_raw_files_and_replaces_those_of_an_earlier_campaign(run, tmp_path):
+    for theta in ("60,0", "30,0"):
+        done = run("simulate", "-o", "camp", "--incidence", theta, "--component", "reflection", "--json")
+        assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert found["readings"] > 1000
+    assert listing(tmp_path / "camp") == [
+        "beam.txt",
+        "campaign.json",
+        "dark.txt",
+        "sample_theta030.0_phi000.0.txt",
+    ]
+    assert listing(tmp_path) == ["camp"]
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        (["--material", "cheese"], "cheese"),
+        (["--seed", "-1"], "-1"),
+        (["--incidence", "90,0"], "90"),
+        (["--instrument", "warp=9"], "warp"),
+    ],
+)
+def test_a_wrong_setting_is_named_and_nothing_is_written(run, tmp_path, options, name):
+    one_clear_error(run("simulate", "-o", "camp", *options), name)
+    assert listing(tmp_path) == []
+
+
+@pytest.mark.parametrize("options", [["--incidence", "30"], ["--instrument", "power=much"]])
+def test_a_malformed_option_is_a_usage_error(run, options):
+    assert run("simulate", "-o", "camp", *options).code == 2
