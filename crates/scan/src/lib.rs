@@ -2,9 +2,11 @@
 
 pub mod beam;
 mod blank;
+pub mod check;
 mod clock;
 pub mod dark;
 pub mod error;
+mod field;
 mod flagging;
 pub mod flags;
 mod local;
@@ -25,6 +27,7 @@ pub mod verdict;
 mod weigh;
 
 pub use beam::{Beam, beam_power};
+pub use check::{CheckOptions, check, repeatability};
 pub use dark::{DarkMethod, DarkOptions, DarkSummary};
 pub use error::ScanError;
 pub use flags::Flags;

@@ -1,0 +1,241 @@
+//! Every check with data that pass and data that do not.
+
+use std::f64::consts::PI;
+
+use gonio_bsdf::Quantity;
+use gonio_geom::{Direction, Side};
+
+use super::{CheckOptions, check, repeatability};
+use crate::testing::{Noise, spiral_scan};
+use crate::{Level, Measurement, NoiseModel, NoiseOrigin, ProcessOptions, Scan, Verdict, process};
+
+type Model = fn(Direction, Direction) -> f64;
+
+/// A broad reciprocal lobe on a diffuse base, isotropic: a function of the half vector only, and no more than
+/// a third of the light.
+fn glossy(wi: Direction, ws: Direction) -> f64 {
+    let h = Direction::new(wi.vec() + ws.vec()).unwrap_or(Direction::NORMAL);
+    0.2 / PI + 0.15 * (-(h.theta() / 0.35).powi(2)).exp()
+}
+
+fn lambert(_: Direction, _: Direction) -> f64 {
+    0.5 / PI
+}
+
+const RELATIVE: f64 = 0.003;
+
+fn scans(model: Model, incidences: &[(f64, f64)], n: usize, seed: u64) -> Vec<Scan> {
+    let mut noise = Noise::new(seed);
+    incidences
+        .iter()
+        .map(|&(t, p)| {
+            let wi = Direction::from_degrees(t, p);
+            let mut s = spiral_scan(t, p, n, Side::Front, |ws| {
+                model(wi, ws) * (1.0 + RELATIVE * noise.normal())
+            });
+            s.quantity = Quantity::Bsdf;
+            s
+        })
+        .collect()
+}
+
+fn options() -> ProcessOptions {
+    ProcessOptions {
+        noise: Some(NoiseModel {
+            readout: 1e-6,
+            relative: RELATIVE,
+            origin: NoiseOrigin::Stated,
+        }),
+        ..ProcessOptions::default()
+    }
+}
+
+fn measured(scans: &[Scan]) -> Measurement {
+    process(scans, &[], &[], &options()).unwrap()
+}
+
+fn measurement(model: Model, incidences: &[(f64, f64)]) -> Measurement {
+    measured(&scans(model, incidences, 2500, 1))
+}
+
+fn verdict(m: &Measurement, id: &str) -> Verdict {
+    let all = check(m, &CheckOptions::default());
+    all.into_iter().find(|v| v.id == id).unwrap()
+}
+
+const INCIDENCES: [(f64, f64); 4] = [(0.0, 0.0), (20.0, 0.0), (40.0, 0.0), (60.0, 0.0)];
+
+#[test]
+fn a_sound_measurement_passes_every_check() {
+    let mut m = measurement(glossy, &INCIDENCES);
+    m.signature_fwhm = Some(0.01);
+    for v in check(&m, &CheckOptions::default()) {
+        assert_eq!(v.level, Level::Pass, "{}: {}", v.id, v.sentence);
+    }
+}
+
+#[test]
+fn a_scan_filed_under_a_second_angle_is_found() {
+    let mut all = scans(glossy, &INCIDENCES, 500, 1);
+    all[3] = Scan {
+        incidence: all[3].incidence,
+        ..all[2].clone()
+    };
+    let v = verdict(&measured(&all), "exact_copies");
+    assert_eq!((v.level, v.value), (Level::Fail, Some(1.0)));
+    assert!(v.sentence.contains("40.00") && v.sentence.contains("60.00"));
+}
+
+#[test]
+fn a_bsdf_that_returns_more_than_arrived_fails_energy_and_one_within_its_uncertainty_warns() {
+    let m = measurement(|_, _| 1.1 / PI, &INCIDENCES);
+    assert_eq!(verdict(&m, "energy").level, Level::Fail);
+    let common = ProcessOptions {
+        u_calibration: 0.08,
+        ..options()
+    };
+    let m = process(&scans(|_, _| 1.1 / PI, &INCIDENCES, 2500, 1), &[], &[], &common).unwrap();
+    assert_eq!(verdict(&m, "energy").level, Level::Warn);
+}
+
+#[test]
+fn a_model_that_is_not_reciprocal_fails_reciprocity() {
+    let m = measurement(
+        |wi, ws| 0.3 / PI * (1.0 + wi.theta() - 0.5 * ws.theta()),
+        &INCIDENCES,
+    );
+    let v = verdict(&m, "reciprocity");
+    assert!(v.level >= Level::Warn, "{}", v.sentence);
+    let v = verdict(&measurement(glossy, &INCIDENCES), "reciprocity");
+    assert!(v.value.unwrap() < 1.5, "{}", v.sentence);
+}
+
+#[test]
+fn anisotropic_samples_are_compared_at_the_exchanged_directions_only() {
+    let several = [(30.0, 0.0), (30.0, 90.0), (60.0, 0.0), (60.0, 90.0)];
+    let v = verdict(&measurement(glossy, &several), "reciprocity");
+    assert!(v.sentence.starts_with("6 exchanged pairs"), "{}", v.sentence);
+    assert_eq!(v.level, Level::Pass);
+}
+
+#[test]
+fn a_scan_that_stops_at_60_degrees_leaves_the_hemisphere_uncovered() {
+    let mut all = scans(lambert, &[(0.0, 0.0)], 2500, 1);
+    let keep: Vec<usize> = (0..2500)
+        .filter(|&j| all[0].theta_s[j] < 60_f64.to_radians())
+        .collect();
+    for column in ["theta_s", "phi_s", "value"] {
+        let s = &mut all[0];
+        let old = match column {
+            "theta_s" => &mut s.theta_s,
+            "phi_s" => &mut s.phi_s,
+            _ => &mut s.value,
+        };
+        *old = keep.iter().map(|&j| old[j]).collect();
+    }
+    let v = verdict(&measured(&all), "coverage");
+    assert!(v.level >= Level::Warn, "{}", v.sentence);
+    // Half the readings are left; ground within twice their even spacing of one counts as covered.
+    let near = 2.0 * (2.0 * PI / 1250.0).sqrt();
+    let expected = 100.0 * (60_f64.to_radians() + near).cos().powi(2);
+    assert!((v.value.unwrap() - expected).abs() < 1.0, "{}", v.sentence);
+}
+
+#[test]
+fn a_signal_at_the_noise_floor_fails_the_dynamic_range() {
+    let noisy = ProcessOptions {
+        noise: Some(NoiseModel {
+            readout: 1.0,
+            relative: 0.0,
+            origin: NoiseOrigin::Stated,
+        }),
+        ..ProcessOptions::default()
+    };
+    let m = process(&scans(lambert, &[(0.0, 0.0)], 500, 1), &[], &[], &noisy).unwrap();
+    assert_eq!(verdict(&m, "dynamic_range").level, Level::Fail);
+}
+
+#[test]
+fn mostly_negative_readings_fail() {
+    let m = measurement(|_, ws| if ws.phi() < 5.0 { -1e-4 } else { 1e-4 }, &[(0.0, 0.0)]);
+    let v = verdict(&m, "negative_readings");
+    assert_eq!(v.level, Level::Fail, "{}", v.sentence);
+    assert!((v.value.unwrap() - 100.0 * 5.0 / (2.0 * PI)).abs() < 1.0);
+}
+
+#[test]
+fn symmetries_are_told_apart() {
+    fn brushed(wi: Direction, ws: Direction) -> f64 {
+        let h = Direction::new(wi.vec() + ws.vec())
+            .unwrap_or(Direction::NORMAL)
+            .vec();
+        0.1 / PI + 0.2 * (-(h.x / 0.5).powi(2) - (h.y / 0.2).powi(2)).exp()
+    }
+    fn twisted(wi: Direction, ws: Direction) -> f64 {
+        let turn = ws.phi() - wi.phi();
+        0.3 / PI * (1.0 + 0.5 * turn.sin() * ws.theta().sin() * wi.theta().sin())
+    }
+    let all = [(0.0, 0.0), (40.0, 0.0), (40.0, 90.0), (40.0, 180.0)];
+    let v = verdict(&measurement(glossy, &all), "symmetry");
+    assert!(v.sentence.contains("isotropic: rotation"), "{}", v.sentence);
+    let v = verdict(&measurement(brushed, &all), "symmetry");
+    assert!(v.sentence.contains("quadrilateral"), "{}", v.sentence);
+    let v = verdict(&measurement(twisted, &all[1..2]), "symmetry");
+    assert_eq!(v.level, Level::Warn, "{}", v.sentence);
+}
+
+#[test]
+fn a_reflectance_factor_read_as_bsdf_is_named() {
+    let v = verdict(
+        &measurement(|wi, ws| PI * lambert(wi, ws), &INCIDENCES),
+        "quantity",
+    );
+    assert_eq!(v.level, Level::Fail);
+    assert!(v.sentence.contains("reflectance factor"), "{}", v.sentence);
+}
+
+#[test]
+fn a_surplus_or_missing_cosine_is_named_whatever_the_material() {
+    let v = verdict(
+        &measurement(|wi, ws| glossy(wi, ws) * ws.cos_theta(), &INCIDENCES),
+        "quantity",
+    );
+    assert_eq!(v.level, Level::Fail);
+    assert!(v.sentence.contains("read them as dsf"), "{}", v.sentence);
+    assert!((v.value.unwrap() - 1.0).abs() < 0.1);
+    let v = verdict(
+        &measurement(
+            |wi, ws| 0.4 * glossy(wi, ws) / ws.cos_theta().max(0.02),
+            &INCIDENCES,
+        ),
+        "quantity",
+    );
+    assert!(v.sentence.contains("read them as bsdf"), "{}", v.sentence);
+}
+
+#[test]
+fn a_lobe_narrower_than_the_beam_cannot_be() {
+    let mut m = measurement(glossy, &INCIDENCES);
+    m.signature_fwhm = Some(2.0);
+    assert_eq!(verdict(&m, "resolution").level, Level::Fail);
+    m.signature_fwhm = Some(0.8);
+    assert_eq!(verdict(&m, "resolution").level, Level::Warn);
+    m.signature_fwhm = None;
+    assert_eq!(verdict(&m, "resolution").level, Level::Info);
+}
+
+#[test]
+fn repeated_measurements_agree_within_their_noise_and_a_brighter_one_does_not() {
+    let first = measured(&scans(glossy, &INCIDENCES, 2500, 1));
+    let turned: Vec<(f64, f64)> = INCIDENCES.iter().map(|i| (i.0, 90.0)).collect();
+    let second = measured(&scans(glossy, &turned, 2500, 2));
+    let v = repeatability(&[&first, &second]).unwrap();
+    assert_eq!(v.level, Level::Pass, "{}", v.sentence);
+    let third = measured(&scans(|wi, ws| 1.1 * glossy(wi, ws), &INCIDENCES, 2500, 3));
+    let v = repeatability(&[&first, &second, &third]).unwrap();
+    assert_eq!(v.level, Level::Warn);
+    assert!((v.value.unwrap() - 9.5).abs() < 0.5, "{}", v.sentence);
+    assert!(repeatability(&[&first]).is_err());
+    let other = measured(&scans(glossy, &[(75.0, 0.0)], 500, 1));
+    assert!(repeatability(&[&first, &other]).is_err());
+}
