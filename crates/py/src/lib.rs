@@ -2,6 +2,7 @@
 
 mod arrays;
 mod bsdf;
+mod checking;
 mod errors;
 mod files;
 mod processing;
@@ -18,6 +19,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     errors::register(m)?;
     files::register(m)?;
     processing::register(m)?;
+    checking::register(m)?;
     scan::register(m)?;
     slice::register(m)?;
     verdict::register(m)?;

@@ -51,7 +51,7 @@ impl<'a> Field<'a> {
                     .map(|&j| slice.direction(j as usize).vec())
                     .collect();
                 let mesh = Delaunay::new(&points, side).ok()?;
-                let longest = (GAP * even_spacing(points.len())).max(0.1).min(1.0);
+                let longest = (GAP * even_spacing(points.len())).clamp(0.1, 1.0);
                 Some(Half {
                     side,
                     members,
