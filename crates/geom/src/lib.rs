@@ -7,6 +7,7 @@ pub mod angles;
 pub mod delaunay;
 pub mod direction;
 pub mod disk;
+pub mod integrate;
 pub mod side;
 pub mod weights;
 

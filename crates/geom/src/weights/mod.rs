@@ -89,13 +89,7 @@ pub fn hemisphere_cells(points: &[DVec3], side: Side) -> Result<Cells, WeightsEr
             cells.moment[i] += moment;
         }
         cells.moment[i].z *= side.sign();
-        let p = diagram.point(i);
-        let chord2 = cell
-            .corners()
-            .iter()
-            .map(|c| c.distance_squared(p))
-            .fold(0.0, f64::max);
-        cells.reach[i] = 2.0 * (0.5 * chord2.sqrt()).min(1.0).asin();
+        cells.reach[i] = cell.reach(diagram.point(i));
     }
     share(&mut cells, diagram.copies());
     Ok(cells)

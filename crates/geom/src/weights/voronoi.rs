@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::polygon::{QUARTERS, clip};
+use super::polygon::{QUARTERS, area_and_moment, clip};
 use crate::delaunay::{Delaunay, GHOST, Mesh, insertion_order, next};
 
 /// Corners worse than this (radians) are not taken from the circumcentre.
@@ -46,9 +46,20 @@ impl Cell {
         starts.zip(&self.ends).map(|(a, &b)| &self.corners[a..b])
     }
 
-    /// All corners.
-    pub(crate) fn corners(&self) -> &[DVec3] {
-        &self.corners
+    /// Angle from `point` to the farthest corner, radians.
+    pub(crate) fn reach(&self, point: DVec3) -> f64 {
+        let chord2 = self.corners.iter().map(|c| c.distance_squared(point));
+        2.0 * (0.5 * chord2.fold(0.0, f64::max).sqrt()).min(1.0).asin()
+    }
+
+    /// Whether the cell ends at the horizon.
+    pub(crate) fn at_horizon(&self) -> bool {
+        self.corners.iter().any(|c| c.z < 1e-9)
+    }
+
+    /// Solid angle, sr.
+    pub(crate) fn omega(&self) -> f64 {
+        self.pieces().map(|p| area_and_moment(p).0).sum()
     }
 }
 
@@ -98,12 +109,6 @@ impl<'a> Diagram<'a> {
     /// `(copy, point)` of every point that has the direction of another, sorted by copy.
     pub(crate) fn copies(&self) -> &[(u32, u32)] {
         &self.copies
-    }
-
-    /// Whether point `i` lies on the hull of the triangulation (or there are no triangles).
-    pub(crate) fn on_hull(&self, i: usize) -> bool {
-        let h = self.first[i];
-        h == GHOST || h as usize >= 3 * self.delaunay.triangles().len()
     }
 
     /// Points of one line of the projected plane lie on one circle of the sphere: each has the one before and
