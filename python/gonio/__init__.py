@@ -14,6 +14,7 @@ from gonio._native import (
     Verdict,
     __version__,
 )
+from gonio.demonstrating import DemoResult, demo
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
 from gonio.processing import process
@@ -24,6 +25,7 @@ from gonio.simulating import simulate
 __all__ = [
     "FLAGS",
     "Bsdf",
+    "DemoResult",
     "DomainError",
     "FitError",
     "FormatError",
@@ -36,6 +38,7 @@ __all__ = [
     "Slice",
     "Verdict",
     "__version__",
+    "demo",
     "inspect",
     "process",
     "read",

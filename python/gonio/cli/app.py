@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 import gonio
+from gonio.cli.demo import demo
 from gonio.cli.inspect import inspect
 from gonio.cli.process import process
 from gonio.cli.report import report
@@ -37,7 +38,7 @@ def _root(
     pass
 
 
-for function in (inspect, process, report, simulate):
+for function in (demo, inspect, process, report, simulate):
     verb(app, function)
 
 
