@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import os
 import shutil
@@ -28,7 +29,7 @@ def replacing_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     target = Path(path)
     if target.is_dir():
-        raise IsADirectoryError(21, "is a directory, a file is needed", str(target))
+        raise IsADirectoryError(errno.EISDIR, "is a directory, a file is needed", str(target))
     handle, name = tempfile.mkstemp(
         prefix=f".{target.name}.", suffix=".part", dir=_existing_parent(target, path)
     )
@@ -38,8 +39,10 @@ def replacing_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield staged
         staged.chmod(_default_mode(0o666))
         staged.replace(target)
-    except BaseException:
+    except BaseException as error:
         staged.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise _about(target, error) from error
         raise
 
 
@@ -78,8 +81,10 @@ def replacing_directory(
         else:
             staged.chmod(_default_mode(0o777))
             staged.rename(target)
-    except BaseException:
+    except BaseException as error:
         shutil.rmtree(staged, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise _about(target, error) from error
         raise
 
 
@@ -90,7 +95,7 @@ def check_directory(path: str | os.PathLike[str], *, marker: str, force: bool = 
     """
     target = Path(path)
     if target.exists() and not target.is_dir():
-        raise NotADirectoryError(20, "is a file, a directory is needed", str(target))
+        raise NotADirectoryError(errno.ENOTDIR, "is a file, a directory is needed", str(target))
     if target.is_dir() and not force and any(target.iterdir()) and not (target / marker).is_file():
         raise FormatError(
             f"{target}: found a directory with other files in it, allowed a new or empty directory or an "
@@ -102,8 +107,15 @@ def check_directory(path: str | os.PathLike[str], *, marker: str, force: bool = 
 def _existing_parent(target: Path, given: str | os.PathLike[str]) -> Path:
     parent = target.absolute().parent
     if not parent.is_dir():
-        raise FileNotFoundError(2, f"no such directory {parent} to write into", os.fspath(given))
+        raise FileNotFoundError(errno.ENOENT, f"no such directory {parent} to write into", os.fspath(given))
     return parent
+
+
+def _about(target: Path, error: OSError) -> OSError:
+    """The refusal, with the name the user gave in place of that of the temporary file."""
+    number = error.errno or errno.EIO
+    reason = error.strerror or (os.strerror(error.errno) if error.errno else str(error))
+    return OSError(number, reason, os.fspath(target))
 
 
 def _default_mode(mode: int) -> int:

@@ -33,8 +33,8 @@ def test_inspect_json_is_one_object_and_nothing_else(run, raw):
     assert len(found["files"][0]["sha256"]) == 64
 
 
-def test_the_version_is_printed(run):
-    assert run("--version").out.strip() == f"gonio {gonio.__version__}"
+def test_the_version_is_printed(run_apart):
+    assert run_apart("--version").out.strip() == f"gonio {gonio.__version__}"
 
 
 def test_debug_shows_the_traceback(run, tmp_path):
