@@ -1,1 +1,26 @@
-//! placeholder
+//! Data-driven models: from a processed measurement to a `Bsdf` without a formula in between.
+
+mod builder;
+mod energy;
+mod incidence;
+mod layout;
+mod mesh;
+mod node;
+mod plane;
+mod readings;
+mod smoothing;
+mod table;
+
+pub mod data_driven;
+pub mod error;
+pub mod leave_one_out;
+pub mod slice_surface;
+pub mod symmetry;
+pub mod warp;
+
+pub use data_driven::{BuildOptions, DataDriven, PartSummary};
+pub use error::BuildError;
+pub use leave_one_out::LooError;
+pub use slice_surface::Coverage;
+pub use symmetry::SymmetryChoice;
+pub use warp::{Candidate, Warp};

@@ -1,0 +1,192 @@
+//! Which symmetry a measurement shows: isotropic or not, mirror-symmetric about the plane of incidence or not.
+
+use gonio_geom::{Angles, Component, Side};
+use gonio_scan::Slice;
+
+use crate::plane::Point;
+use crate::readings::{Readings, turn_to_pi};
+use crate::slice_surface::SliceSurface;
+
+/// Incidences closer than this are one (radians): 0.05 degrees.
+const SAME_DIRECTION: f64 = 0.05 * std::f64::consts::PI / 180.0;
+
+/// Incidences whose polar angles differ less are compared or averaged when isotropic (radians): 0.3 degrees.
+pub(crate) const SAME_THETA: f64 = 0.3 * std::f64::consts::PI / 180.0;
+
+/// Two slices that differ by less than this (relative L1) count as equal.
+const EQUAL: f64 = 0.05;
+
+/// A hemisphere half with less than this share of the other's measured solid angle was not measured.
+const HALF_SHARE: f64 = 0.2;
+
+/// What the builder is to assume about azimuth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SymmetryChoice {
+    /// Decided from the data.
+    #[default]
+    Auto,
+    /// Only `phi_s - phi_i` matters.
+    Isotropic,
+    /// Incidences are interpolated over both angles.
+    Anisotropic,
+}
+
+/// Slices of one direction of incidence.
+#[derive(Clone, Debug)]
+pub(crate) struct Incidence<'a> {
+    pub(crate) angles: Angles,
+    pub(crate) slices: Vec<&'a Slice>,
+}
+
+impl<'a> Incidence<'a> {
+    /// Slices grouped by direction of incidence, in order of polar angle from the normal of their side.
+    pub(crate) fn group(slices: &[&'a Slice], side: Side) -> Vec<Self> {
+        let mut out: Vec<Incidence<'a>> = Vec::new();
+        for &slice in slices {
+            let direction = slice.incidence.direction();
+            if direction.side() != side {
+                continue;
+            }
+            let same = |g: &&mut Incidence<'a>| {
+                let d = g.angles.direction();
+                // At the normal the holder's azimuth still turns the slice.
+                d.angle_to(direction) < SAME_DIRECTION
+                    && (g.angles.phi == slice.incidence.phi || direction.vec().z.abs() < 1.0 - 1e-6)
+            };
+            match out.iter_mut().find(same) {
+                Some(group) => group.slices.push(slice),
+                None => out.push(Incidence {
+                    angles: slice.incidence,
+                    slices: vec![slice],
+                }),
+            }
+        }
+        out.sort_by(|a, b| polar(a.angles).total_cmp(&polar(b.angles)));
+        out
+    }
+
+    /// Its readings of one component in the local frame; rotated to azimuth pi when `isotropic`.
+    pub(crate) fn readings(&self, component: Component, isotropic: bool) -> Readings {
+        let side = component.scattered_side(self.angles.direction().side());
+        let turn = if isotropic { turn_to_pi(self.angles) } else { 0.0 };
+        Readings::collect(&self.slices, side, turn)
+    }
+}
+
+/// Polar angle from the normal of the side of incidence.
+pub(crate) fn polar(angles: Angles) -> f64 {
+    angles.theta.min(std::f64::consts::PI - angles.theta)
+}
+
+/// What was decided about azimuth, and why.
+#[derive(Clone, Debug)]
+pub(crate) struct Azimuth {
+    pub(crate) isotropic: bool,
+    pub(crate) note: Option<String>,
+}
+
+/// Decides whether only `phi_s - phi_i` matters. One plane of incidence: assumed. Several: slices of the same polar
+/// angle are compared after rotation.
+pub(crate) fn decide(slices: &[&Slice], choice: SymmetryChoice) -> Azimuth {
+    let settled = |isotropic| Azimuth {
+        isotropic,
+        note: None,
+    };
+    match choice {
+        SymmetryChoice::Isotropic => return settled(true),
+        SymmetryChoice::Anisotropic => return settled(false),
+        SymmetryChoice::Auto => {}
+    }
+    let groups: Vec<Incidence<'_>> = Side::BOTH
+        .into_iter()
+        .flat_map(|side| Incidence::group(slices, side))
+        .collect();
+    if Side::BOTH.into_iter().all(|side| one_plane(&groups, side)) {
+        return Azimuth {
+            isotropic: true,
+            note: Some("isotropy assumed: one plane of incidence was measured".into()),
+        };
+    }
+    let mut mismatch = Vec::new();
+    for (k, a) in groups.iter().enumerate() {
+        let b = groups[k + 1..].iter().find(|b| {
+            (b.angles.theta - a.angles.theta).abs() < SAME_THETA
+                && (b.angles.phi - a.angles.phi).abs() > SAME_DIRECTION
+        });
+        for component in [Component::Reflection, Component::Transmission] {
+            if let Some(difference) = b.and_then(|b| rotated_difference(a, b, component)) {
+                mismatch.push(difference);
+            }
+        }
+    }
+    if mismatch.is_empty() {
+        return Azimuth {
+            isotropic: false,
+            note: Some("several azimuths of incidence but no polar angle twice: taken as anisotropic".into()),
+        };
+    }
+    let mean = mismatch.iter().sum::<f64>() / mismatch.len() as f64;
+    let isotropic = mean <= EQUAL;
+    Azimuth {
+        isotropic,
+        note: Some(format!(
+            "slices of the same theta_i differ by {:.1} % (mean relative L1) after rotation: {}",
+            100.0 * mean,
+            if isotropic { "isotropic" } else { "anisotropic" }
+        )),
+    }
+}
+
+/// Whether the incidences on `side` lie in one plane through the normal.
+fn one_plane(groups: &[Incidence<'_>], side: Side) -> bool {
+    let mut azimuths = groups
+        .iter()
+        .filter(|g| g.angles.direction().side() == side && polar(g.angles) > SAME_THETA)
+        .map(|g| g.angles.phi);
+    let Some(first) = azimuths.next() else {
+        return true;
+    };
+    azimuths.all(|phi| (phi - first).sin().abs() < SAME_THETA.sin())
+}
+
+fn rotated_difference(a: &Incidence<'_>, b: &Incidence<'_>, component: Component) -> Option<f64> {
+    let surface = |g: &Incidence<'_>| SliceSurface::new(&g.readings(component, true), true);
+    let (a, b) = (surface(a)?, surface(b)?);
+    difference(&a, |p| b.measured(p).then(|| b.value(p)))
+}
+
+/// Relative L1 difference, over the projected solid angle of the readings of `surface`, to what `other` says.
+fn difference(surface: &SliceSurface, other: impl Fn(Point) -> Option<f64>) -> Option<f64> {
+    let omega = surface.solid_angles();
+    let (mut apart, mut size) = (0.0, 0.0);
+    for (&p, w) in surface.points().iter().zip(omega) {
+        let Some(image) = other(p) else { continue };
+        let value = surface.value(p);
+        let weight = w * crate::plane::from_plane(p).z;
+        apart += weight * (value - image).abs();
+        size += weight * 0.5 * (value.abs() + image.abs());
+    }
+    (size > 0.0).then(|| apart / size)
+}
+
+/// Whether the halves of a slice on both sides of the plane of incidence agree; `None` when only one was measured.
+pub(crate) fn mirror_symmetric(surface: &SliceSurface) -> Option<bool> {
+    let image = |p: Point| [p[0], -p[1]];
+    difference(surface, |p| {
+        surface.measured(image(p)).then(|| surface.value(image(p)))
+    })
+    .map(|d| d <= EQUAL)
+}
+
+/// Whether readings lie on one side of the plane of incidence only.
+pub(crate) fn half_measured(surface: &SliceSurface) -> bool {
+    let (mut left, mut right) = (0.0, 0.0);
+    for (p, w) in surface.points().iter().zip(surface.solid_angles()) {
+        if p[1] > 1e-6 {
+            left += w;
+        } else if p[1] < -1e-6 {
+            right += w;
+        }
+    }
+    f64::min(left, right) < HALF_SHARE * f64::max(left, right)
+}
