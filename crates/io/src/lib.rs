@@ -5,13 +5,15 @@ pub mod atomic;
 pub mod detect;
 pub mod error;
 pub mod gonio_raw;
+mod grouping;
 pub mod mountain;
+pub mod nist_ptfe;
 pub mod options;
 pub mod radiance_xml;
 pub mod table;
 mod text;
 
 pub use atomic::write_atomic;
-pub use detect::{Format, detect, read_any};
+pub use detect::{Format, detect, detect_file, read_any};
 pub use error::{IoError, excerpt, read_bytes};
 pub use options::ReadOptions;
