@@ -9,7 +9,7 @@ from typing import overload
 
 import pyarrow as pa
 
-from gonio import _native, raw_parquet
+from gonio import _native, raw_parquet, rt300s
 from gonio._native import Scan
 
 PathLike = str | os.PathLike[str]
@@ -142,8 +142,18 @@ def read_file(
     upphi: float | None = None,
 ) -> tuple[str, list[Scan]]:
     """Name of the format and scans of one file; arguments and errors as in `read`."""
-    if format in ("parquet", None) and Path(path).suffix.lower() == ".parquet":
-        scans = raw_parquet.read(path, columns=columns, kind=kind, quantity=quantity, channel=channel)
-        return "parquet", scans
-    found = format or _native.detect_format(path)
-    return found, _native.read_file(path, found, kind=kind, quantity=quantity, channel=channel, upphi=upphi)
+    stated = {"kind": kind, "quantity": quantity, "channel": channel}
+    found = format or _binary_format(path)
+    if found == "parquet":
+        return found, raw_parquet.read(path, columns=columns, **stated)
+    if found == rt300s.FORMAT:
+        return found, rt300s.read(path, **stated)
+    found = found or ("table" if columns else _native.detect_format(path))
+    return found, _native.read_file(path, found, columns=columns, upphi=upphi, **stated)
+
+
+def _binary_format(path: PathLike) -> str | None:
+    """Format of a file that is no text, by its first bytes."""
+    with Path(path).open("rb") as file:
+        start = file.read(8)
+    return {b"PAR1": "parquet", rt300s.MAGIC[:4]: rt300s.FORMAT}.get(start[:4])

@@ -1,10 +1,11 @@
 //! Reading and writing files of readings.
 
-use std::fs::File;
-use std::io::Read;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use gonio_io::{Format, IoError, ReadOptions};
+use gonio_io::table::TableMapping;
+use gonio_io::{Format, ReadOptions};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::errors::{DomainError, OrRaise, domain};
@@ -14,12 +15,14 @@ use crate::scan::Scan;
 ///
 /// The format is recognised by content unless `format` names it. `kind`, `quantity` and `channel` state what the file
 /// does not; what the file states itself may not be contradicted. `upphi` (degrees) replaces the `#upphi` of a
-/// Mountain file; 90 keeps its azimuths as written.
+/// Mountain file; 90 keeps its azimuths as written. `columns` maps gonio's names of columns to those of a table.
 ///
 /// Raises FormatError naming file, line or field, what was found and what is allowed; OSError and its kin for what
 /// the operating system refuses.
 #[pyfunction]
-#[pyo3(signature = (path, format=None, *, kind=None, quantity=None, channel=None, upphi=None))]
+#[pyo3(signature = (path, format=None, *, kind=None, quantity=None, channel=None, upphi=None,
+    columns=None))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
 fn read_file(
     py: Python<'_>,
     path: PathBuf,
@@ -28,6 +31,7 @@ fn read_file(
     quantity: Option<&str>,
     channel: Option<&str>,
     upphi: Option<f64>,
+    columns: Option<BTreeMap<String, String>>,
 ) -> PyResult<Vec<Scan>> {
     if let Some(up) = upphi.filter(|up| !up.is_finite()) {
         return Err(domain("upphi", up, "a finite angle in degrees"));
@@ -48,26 +52,32 @@ fn read_file(
             .transpose()
             .or_raise()?,
         upphi,
-        ..ReadOptions::default()
+        table: TableMapping(columns.unwrap_or_default()),
     };
     let scans = py.detach(|| gonio_io::read_any(&path, &options)).or_raise()?;
     Ok(scans.into_iter().map(Scan::from).collect())
 }
 
+/// The readings of the NIST PTFE table with their Mueller matrices: per scan, the scan and an array of shape
+/// (readings, 4, 4), normalised to m11 = 1. Errors as in `read_file`.
+#[pyfunction]
+fn read_mueller(py: Python<'_>, path: PathBuf) -> PyResult<Vec<(Scan, Bound<'_, PyArray3<f64>>)>> {
+    let both = py
+        .detach(|| gonio_io::nist_ptfe::read_mueller(&path, &ReadOptions::default()))
+        .or_raise()?;
+    both.into_iter()
+        .map(|(scan, matrices)| {
+            let flat: Vec<f64> = matrices.iter().flatten().flatten().copied().collect();
+            let array = PyArray1::from_vec(py, flat).reshape([matrices.len(), 4, 4])?;
+            Ok((Scan::from(scan), array))
+        })
+        .collect()
+}
+
 /// Name of the format that the beginning of a file shows; errors as in `read_file`.
 #[pyfunction]
 fn detect_format(path: PathBuf) -> PyResult<&'static str> {
-    let refused = |source| IoError::file(&path, source);
-    let head = || {
-        if path.is_dir() {
-            return Err(std::io::ErrorKind::IsADirectory.into());
-        }
-        let mut head = Vec::new();
-        File::open(&path)?.take(1 << 16).read_to_end(&mut head)?;
-        Ok(head)
-    };
-    let head = head().map_err(refused).or_raise()?;
-    Ok(gonio_io::detect(&head, &path).or_raise()?.name())
+    Ok(gonio_io::detect_file(&path).or_raise()?.name())
 }
 
 /// Write one scan as pab-opto Mountain text; the file appears whole or not at all.
@@ -87,6 +97,7 @@ fn write_raw(py: Python<'_>, path: PathBuf, scans: Vec<PyRef<'_, Scan>>) -> PyRe
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(read_file, m)?)?;
     m.add_function(wrap_pyfunction!(detect_format, m)?)?;
+    m.add_function(wrap_pyfunction!(read_mueller, m)?)?;
     m.add_function(wrap_pyfunction!(write_mountain, m)?)?;
     m.add_function(wrap_pyfunction!(write_raw, m)?)
 }
