@@ -236,7 +236,10 @@ fn by_direction(
             }
             let partner = match &index {
                 None => Some(j),
-                Some(index) => index.nearest(scan.direction(j).vec(), tolerance).map(|n| n.0),
+                Some(index) => index
+                    .nearest(scan.direction(j).vec(), tolerance)
+                    .map(|n| n.0)
+                    .filter(|&k| blank.direction(k).side() == scan.direction(j).side()),
             };
             match partner.map(|k| blank.value[k]).filter(|v| v.is_finite()) {
                 Some(v) => *level += v / blanks.len() as f64,

@@ -1,5 +1,6 @@
 //! From readings to a measurement: corrections, beam power, DSF/BSDF, uncertainty, checks.
 
+pub mod alignment;
 pub mod beam;
 mod blank;
 pub mod check;
@@ -18,6 +19,7 @@ pub mod process;
 mod process_tests;
 pub mod processing;
 pub mod readings;
+pub mod relative;
 mod robust;
 pub mod signature;
 #[cfg(test)]
@@ -26,6 +28,7 @@ mod validate;
 pub mod verdict;
 mod weigh;
 
+pub use alignment::{Alignment, Peak, align, correct_alignment};
 pub use beam::{Beam, beam_power};
 pub use check::{CheckOptions, check, repeatability};
 pub use dark::{DarkMethod, DarkOptions, DarkSummary};
@@ -37,5 +40,6 @@ pub use noise::{NoiseModel, NoiseOrigin};
 pub use process::{ProcessOptions, process, process_owned};
 pub use processing::Processing;
 pub use readings::{Scan, ScanKind, ScanMeta};
+pub use relative::{Standard, process_relative};
 pub use signature::Signature;
 pub use verdict::{Level, Verdict};
