@@ -225,3 +225,21 @@ def process(
 ) -> MeasurementData: ...
 def check(measurement: MeasurementData, *, isotropic: bool | None = None) -> list[Verdict]: ...
 def repeatability(measurements: Sequence[MeasurementData]) -> Verdict: ...
+def process_relative(
+    sample: Sequence[Scan],
+    *,
+    standard: Sequence[Scan],
+    reflectance_factor: Sequence[float],
+    reference_theta: Sequence[float] = (0.0,),
+    u_standard: float = 0.0,
+    dark: Sequence[Scan] = (),
+    dark_method: str = "auto",
+    dark_tolerance: float = 0.25,
+    noise_readout: float | None = None,
+    noise_relative: float | None = None,
+    u_angle: float = 0.0,
+    u_calibration: float = 0.0,
+    shadow_radius: float | None = None,
+) -> MeasurementData: ...
+def align(measurement: MeasurementData) -> dict[str, float]: ...
+def correct_alignment(measurement: MeasurementData) -> MeasurementData: ...

@@ -107,6 +107,89 @@ fn process(
         .map(MeasurementData::from)
 }
 
+/// DSF relative to a calibrated standard scanned over the sample's directions. `reference_theta` (degrees, ascending)
+/// and `reflectance_factor` have one entry each for a constant.
+#[pyfunction]
+#[pyo3(signature = (sample, *, standard, reflectance_factor, reference_theta=vec![0.0], u_standard=0.0,
+    dark=Vec::new(), dark_method="auto", dark_tolerance=0.25, noise_readout=None, noise_relative=None, u_angle=0.0,
+    u_calibration=0.0, shadow_radius=None))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
+fn process_relative(
+    py: Python<'_>,
+    sample: Vec<PyRef<'_, Scan>>,
+    standard: Vec<PyRef<'_, Scan>>,
+    reflectance_factor: Vec<f64>,
+    reference_theta: Vec<f64>,
+    u_standard: f64,
+    dark: Vec<PyRef<'_, Scan>>,
+    dark_method: &str,
+    dark_tolerance: f64,
+    noise_readout: Option<f64>,
+    noise_relative: Option<f64>,
+    u_angle: f64,
+    u_calibration: f64,
+    shadow_radius: Option<f64>,
+) -> PyResult<MeasurementData> {
+    if reference_theta.len() != reflectance_factor.len() {
+        return Err(domain(
+            "reference_theta",
+            format!("{} entries", reference_theta.len()),
+            &format!("{}, one a reflectance factor", reflectance_factor.len()),
+        ));
+    }
+    let options = options(
+        dark_method,
+        dark_tolerance,
+        noise_readout,
+        noise_relative,
+        u_angle,
+        u_calibration,
+        shadow_radius,
+    )?;
+    let reference = core::Standard {
+        reflectance_factor: reference_theta
+            .iter()
+            .map(|t| t.to_radians())
+            .zip(reflectance_factor)
+            .collect(),
+        u_relative: u_standard,
+    };
+    let (sample, standard, dark) = (records(&sample), records(&standard), records(&dark));
+    py.detach(|| core::process_relative(sample, &standard, &dark, &reference, &options))
+        .or_raise()
+        .map(MeasurementData::from)
+}
+
+/// Tilt and azimuth offset of the sample from its mirror peaks, degrees.
+#[pyfunction]
+fn align<'py>(py: Python<'py>, measurement: &MeasurementData) -> PyResult<Bound<'py, PyDict>> {
+    let found = py.detach(|| core::align(&measurement.0)).or_raise()?;
+    let out = PyDict::new(py);
+    let [u_x, u_y, u_a] = found.u().map(f64::to_degrees);
+    out.set_item("tilt", found.tilt().to_degrees())?;
+    out.set_item("tilt_x", found.tilt_x.to_degrees())?;
+    out.set_item("tilt_y", found.tilt_y.to_degrees())?;
+    out.set_item("azimuth", found.azimuth.to_degrees())?;
+    out.set_item("u_tilt_x", u_x)?;
+    out.set_item("u_tilt_y", u_y)?;
+    out.set_item("u_azimuth", u_a)?;
+    out.set_item("residual", found.residual.to_degrees())?;
+    out.set_item("peaks", found.peaks.len())?;
+    Ok(out)
+}
+
+/// The measurement turned into the frame of the sample's true normal, as `align` finds it.
+#[pyfunction]
+fn correct_alignment(py: Python<'_>, measurement: &MeasurementData) -> PyResult<MeasurementData> {
+    let mut corrected = (*measurement.0).clone();
+    py.detach(|| {
+        let found = core::align(&corrected)?;
+        core::correct_alignment(&mut corrected, &found)
+    })
+    .or_raise()?;
+    Ok(corrected.into())
+}
+
 /// What the processing found out: `{"beams": [...], "noise": [...], "dark": [...]}`, angles in degrees.
 pub(crate) fn processing_dict<'py>(
     py: Python<'py>,
@@ -162,5 +245,8 @@ pub(crate) fn processing_dict<'py>(
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
-    m.add_function(wrap_pyfunction!(process, m)?)
+    m.add_function(wrap_pyfunction!(process, m)?)?;
+    m.add_function(wrap_pyfunction!(process_relative, m)?)?;
+    m.add_function(wrap_pyfunction!(align, m)?)?;
+    m.add_function(wrap_pyfunction!(correct_alignment, m)?)
 }
