@@ -14,6 +14,7 @@ from gonio._native import (
     Verdict,
     __version__,
 )
+from gonio.checking import check
 from gonio.demonstrating import DemoResult, demo
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
@@ -38,6 +39,7 @@ __all__ = [
     "Slice",
     "Verdict",
     "__version__",
+    "check",
     "demo",
     "inspect",
     "process",

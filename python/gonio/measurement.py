@@ -45,7 +45,6 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "omega": ("sr", "solid-angle weight of the reading"),
     "flags": ("1", "bit flags of the reading"),
 }
-VERDICT_FIELDS = ("id", "title", "verdict", "value", "unit", "sentence")
 FRAME = (
     "right-handed, z = outward normal of the front, x = zero-azimuth mark; every direction leaves the surface"
 )
@@ -316,7 +315,7 @@ class Measurement:
             "flags": FLAGS,
             "warnings": self.warnings,
             "slices": [_slice_header(s) for s in self.slices],
-            "findings": [{name: getattr(v, name) for name in VERDICT_FIELDS} for v in self.findings],
+            "findings": [v.to_dict() for v in self.findings],
             "provenance": self.provenance,
             "table": {"name": PARQUET_NAME, "sha256": digest},
         }

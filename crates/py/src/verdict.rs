@@ -1,6 +1,7 @@
 //! `Verdict`: the answer of one check.
 
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::errors::domain;
 
@@ -48,6 +49,18 @@ impl Verdict {
             unit,
             sentence,
         })
+    }
+
+    /// Plain values of every field.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("id", &self.id)?;
+        dict.set_item("title", &self.title)?;
+        dict.set_item("verdict", &self.verdict)?;
+        dict.set_item("value", self.value)?;
+        dict.set_item("unit", &self.unit)?;
+        dict.set_item("sentence", &self.sentence)?;
+        Ok(dict)
     }
 
     fn __repr__(&self) -> String {

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 import gonio
+from gonio.cli.check import check
 from gonio.cli.demo import demo
 from gonio.cli.inspect import inspect
 from gonio.cli.process import process
@@ -38,7 +39,7 @@ def _root(
     pass
 
 
-for function in (demo, inspect, process, report, simulate):
+for function in (inspect, process, check, report, simulate, demo):
     verb(app, function)
 
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from gonio import _native
-from gonio.measurement import Measurement
+from gonio.checking import MeasurementOrPath, check, loaded
 from gonio.readings import PathLike
 from gonio.working import Progress, interruptible, silent
 
 
 def report(
-    measurement: Measurement | PathLike,
+    measurement: MeasurementOrPath,
     *,
     out: PathLike,
     verdicts: Sequence[_native.Verdict] | None = None,
@@ -53,11 +53,11 @@ def report(
     # Drawing libraries take half a second to load, which every other verb would pay.
     from gonio.reporting.page import render_report  # noqa: PLC0415
 
-    loaded = measurement if isinstance(measurement, Measurement) else Measurement.load(measurement)
+    shown = loaded(measurement)
     progress("checking", 0, 1)
-    found = loaded.findings if verdicts is None else list(verdicts)
+    found = check(shown) if verdicts is None else list(verdicts)
     progress("checking", 1, 1)
     progress("drawing", 0, 1)
-    path = interruptible(lambda: render_report(loaded, found, out=out, model=model, truth=truth, title=title))
+    path = interruptible(lambda: render_report(shown, found, out=out, model=model, truth=truth, title=title))
     progress("drawing", 1, 1)
     return path
