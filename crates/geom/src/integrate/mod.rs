@@ -6,7 +6,7 @@ mod stencil;
 use glam::DVec3;
 
 use crate::delaunay::Delaunay;
-use crate::weights::{Cell, Diagram, WeightsError};
+use crate::weights::{Cell, Diagram, WeightsError, for_each_group};
 use crate::{Direction, Side};
 use profile::Profile;
 use stencil::Stencil;
@@ -212,16 +212,10 @@ fn check_finite(field: &'static str, index: usize, value: f64) -> Result<(), Int
 
 /// Gives every point with copies the sum over the group divided by `count^power`.
 fn average_copies(values: &mut [f64], copies: &[(u32, u32)], power: i32) {
-    if copies.is_empty() {
-        return;
-    }
-    let mut by_point: Vec<(u32, u32)> = copies.iter().map(|&(copy, point)| (point, copy)).collect();
-    by_point.sort_unstable();
-    for group in by_point.chunk_by(|a, b| a.0 == b.0) {
+    for_each_group(copies, |point, group| {
         let sum: f64 = group.iter().map(|&(_, c)| values[c as usize]).sum();
-        let point = group[0].0 as usize;
         values[point] = (values[point] + sum) / ((group.len() + 1) as f64).powi(power);
-    }
+    });
 }
 
 /// Twice the median reach of the cells, weighted by solid angle; from about 20,000 of them.

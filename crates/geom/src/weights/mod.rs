@@ -1,5 +1,6 @@
 //! Solid-angle weights of scattered directions: exact spherical Voronoi cells of a hemisphere.
 
+mod patch;
 mod polygon;
 mod voronoi;
 
@@ -7,6 +8,7 @@ use glam::DVec3;
 
 use crate::Side;
 use crate::delaunay::{Delaunay, DelaunayError};
+pub use patch::{PatchWeights, patch_weights};
 pub(crate) use polygon::area_and_moment;
 pub(crate) use voronoi::{Cell, Diagram};
 
@@ -19,6 +21,12 @@ pub enum WeightsError {
     /// No points at all.
     #[error("no directions found, at least 1 needed")]
     Empty,
+    /// A raster that is no bounded patch.
+    #[error("a direction {angle:.1} deg from the mean direction found, at most 80 deg allowed for a raster")]
+    Spread {
+        /// Angle of a direction to the mean of all, degrees; NaN when there is no mean.
+        angle: f64,
+    },
 }
 
 /// Voronoi cells of a hemisphere, one a point and in the order of the points.
@@ -97,10 +105,7 @@ pub fn hemisphere_cells(points: &[DVec3], side: Side) -> Result<Cells, WeightsEr
 
 /// Splits the cell of every point with copies into equal parts.
 fn share(cells: &mut Cells, copies: &[(u32, u32)]) {
-    let mut by_point: Vec<(u32, u32)> = copies.iter().map(|&(copy, point)| (point, copy)).collect();
-    by_point.sort_unstable();
-    for group in by_point.chunk_by(|a, b| a.0 == b.0) {
-        let point = group[0].0 as usize;
+    for_each_group(copies, |point, group| {
         let part = 1.0 / (group.len() + 1) as f64;
         cells.omega[point] *= part;
         cells.moment[point] *= part;
@@ -110,6 +115,15 @@ fn share(cells: &mut Cells, copies: &[(u32, u32)]) {
             cells.moment[copy] = cells.moment[point];
             cells.reach[copy] = cells.reach[point];
         }
+    });
+}
+
+/// Calls `visit(point, [(point, copy), ...])` for every point that has copies; `copies` holds `(copy, point)`.
+pub(crate) fn for_each_group(copies: &[(u32, u32)], mut visit: impl FnMut(usize, &[(u32, u32)])) {
+    let mut by_point: Vec<(u32, u32)> = copies.iter().map(|&(copy, point)| (point, copy)).collect();
+    by_point.sort_unstable();
+    for group in by_point.chunk_by(|a, b| a.0 == b.0) {
+        visit(group[0].0 as usize, group);
     }
 }
 
