@@ -3,6 +3,7 @@
 from gonio._native import (
     FLAGS,
     Bsdf,
+    DataDriven,
     DomainError,
     FitError,
     FormatError,
@@ -14,6 +15,7 @@ from gonio._native import (
     Verdict,
     __version__,
 )
+from gonio.building import build
 from gonio.checking import check
 from gonio.demonstrating import DemoResult, demo
 from gonio.inspecting import inspect
@@ -26,6 +28,7 @@ from gonio.simulating import simulate
 __all__ = [
     "FLAGS",
     "Bsdf",
+    "DataDriven",
     "DemoResult",
     "DomainError",
     "FitError",
@@ -39,6 +42,7 @@ __all__ = [
     "Slice",
     "Verdict",
     "__version__",
+    "build",
     "check",
     "demo",
     "inspect",

@@ -36,14 +36,14 @@ impl Bsdf {
 }
 
 /// Directions of the four broadcast angle arrays, with the common shape.
-struct Pairs {
-    shape: Vec<usize>,
-    wi: Vec<Direction>,
-    ws: Vec<Direction>,
+pub(crate) struct Pairs {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) wi: Vec<Direction>,
+    pub(crate) ws: Vec<Direction>,
 }
 
 impl Pairs {
-    fn broadcast(py: Python<'_>, angles: [&Bound<'_, PyAny>; 4]) -> PyResult<Self> {
+    pub(crate) fn broadcast(py: Python<'_>, angles: [&Bound<'_, PyAny>; 4]) -> PyResult<Self> {
         const NAMES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
         let numpy = py.import("numpy")?;
         let kwargs = PyDict::new(py);

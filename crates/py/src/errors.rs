@@ -7,6 +7,7 @@ use std::io;
 use std::path::Path;
 
 use gonio_bsdf::BsdfError;
+use gonio_build::BuildError;
 use gonio_io::IoError;
 use gonio_scan::ScanError;
 use pyo3::create_exception;
@@ -75,6 +76,18 @@ impl Raise for ScanError {
         match self {
             ScanError::Domain { .. } => DomainError::new_err(self.to_string()),
             ScanError::Mismatch { .. } => QuantityError::new_err(self.to_string()),
+        }
+    }
+}
+
+impl Raise for BuildError {
+    fn raise(self) -> PyErr {
+        match self {
+            BuildError::Channel { .. } => QuantityError::new_err(self.to_string()),
+            BuildError::Columns { .. } => DomainError::new_err(self.to_string()),
+            BuildError::TooFewIncidences { .. } | BuildError::Readings { .. } => {
+                FitError::new_err(self.to_string())
+            }
         }
     }
 }

@@ -5,6 +5,7 @@ mod bsdf;
 mod checking;
 mod errors;
 mod files;
+mod model;
 mod processing;
 mod scan;
 mod simulate;
@@ -24,5 +25,6 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     slice::register(m)?;
     verdict::register(m)?;
     bsdf::register(m)?;
+    model::register(m)?;
     simulate::register(m)
 }

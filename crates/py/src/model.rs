@@ -1,0 +1,170 @@
+//! Data-driven models.
+
+use std::sync::Arc;
+
+use gonio_bsdf::Channel;
+use gonio_build as core;
+use gonio_geom::Direction;
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::angles;
+use crate::bsdf::{Bsdf, Pairs};
+use crate::errors::{OrRaise, domain};
+use crate::slice::MeasurementData;
+
+/// A BSDF interpolated from a measurement. Angles are degrees.
+#[pyclass(frozen, extends = Bsdf, module = "gonio", name = "DataDriven")]
+pub(crate) struct DataDriven(Arc<core::DataDriven>);
+
+#[pymethods]
+impl DataDriven {
+    /// Error of predicting each interior incidence from the others, one dict an incidence and component: theta_i,
+    /// phi_i (degrees), component, rel_rms, rel_l1 (fractions of the DSF).
+    #[getter]
+    fn loo<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.0
+            .loo()
+            .iter()
+            .map(|e| {
+                let dict = PyDict::new(py);
+                let (theta_i, phi_i) = e.incidence.to_degrees();
+                dict.set_item("theta_i", theta_i)?;
+                dict.set_item("phi_i", phi_i)?;
+                dict.set_item("component", e.component.to_string())?;
+                dict.set_item("rel_rms", e.rel_rms)?;
+                dict.set_item("rel_l1", e.rel_l1)?;
+                Ok(dict)
+            })
+            .collect()
+    }
+
+    /// How each side and component was built: side, component, incidences, readings, table_values, bilateral,
+    /// candidate, scores (mean relative L1 of every candidate by name).
+    #[getter]
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.0
+            .summary()
+            .iter()
+            .map(|s| {
+                let dict = PyDict::new(py);
+                dict.set_item("side", s.side.to_string())?;
+                dict.set_item("component", s.component.to_string())?;
+                dict.set_item("incidences", s.incidences)?;
+                dict.set_item("readings", s.readings)?;
+                dict.set_item("table_values", s.table_values)?;
+                dict.set_item("bilateral", s.bilateral)?;
+                dict.set_item("candidate", s.candidate.name())?;
+                let scores = PyDict::new(py);
+                for (candidate, score) in &s.scores {
+                    scores.set_item(candidate.name(), score)?;
+                }
+                dict.set_item("scores", scores)?;
+                Ok(dict)
+            })
+            .collect()
+    }
+
+    /// Assumptions, components not measured, caps.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings().to_vec()
+    }
+
+    /// How each value is known: 0 measured, 1 interpolated, 2 extrapolated, 3 missing; broadcasts like `eval`.
+    #[pyo3(signature = (*, theta_i, phi_i, theta_s, phi_s))]
+    fn coverage<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: &Bound<'py, PyAny>,
+        phi_i: &Bound<'py, PyAny>,
+        theta_s: &Bound<'py, PyAny>,
+        phi_s: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
+        let pairs = Pairs::broadcast(py, [theta_i, phi_i, theta_s, phi_s])?;
+        let codes: Vec<u8> = py.detach(|| {
+            let code = |(&wi, &ws): (&Direction, &Direction)| self.0.coverage(wi, ws) as u8;
+            pairs.wi.iter().zip(&pairs.ws).map(code).collect()
+        });
+        PyArray1::from_vec(py, codes).reshape(pairs.shape)
+    }
+
+    /// Fraction of the light from one incidence (degrees) that leaves on both sides, by quadrature (about 0.2 %).
+    #[pyo3(signature = (*, theta_i, phi_i))]
+    fn albedo(&self, theta_i: f64, phi_i: f64) -> PyResult<f64> {
+        Ok(self
+            .0
+            .albedo(angles(["theta_i", "phi_i"], theta_i, phi_i)?.direction()))
+    }
+
+    fn __repr__(&self) -> String {
+        let parts: Vec<String> = self
+            .0
+            .summary()
+            .iter()
+            .map(|s| {
+                format!(
+                    "{} {}: {} incidences, {}",
+                    s.side, s.component, s.incidences, s.candidate
+                )
+            })
+            .collect();
+        format!("DataDriven({})", parts.join("; "))
+    }
+}
+
+/// The data-driven model of one channel of a measurement.
+#[pyfunction]
+#[pyo3(signature = (measurement, *, channel=None, symmetry="auto", smooth=true, candidate=None))]
+fn build(
+    py: Python<'_>,
+    measurement: &MeasurementData,
+    channel: Option<&str>,
+    symmetry: &str,
+    smooth: bool,
+    candidate: Option<&str>,
+) -> PyResult<Py<DataDriven>> {
+    let options = core::BuildOptions {
+        channel: channel.map(str::parse::<Channel>).transpose().or_raise()?,
+        symmetry: match symmetry {
+            "auto" => core::SymmetryChoice::Auto,
+            "isotropic" => core::SymmetryChoice::Isotropic,
+            "anisotropic" => core::SymmetryChoice::Anisotropic,
+            _ => {
+                return Err(domain(
+                    "symmetry",
+                    format!("{symmetry:?}"),
+                    "auto, isotropic, anisotropic",
+                ));
+            }
+        },
+        smooth,
+        candidate: candidate.map(candidate_of).transpose()?,
+    };
+    let data = Arc::clone(&measurement.0);
+    let model = Arc::new(
+        py.detach(|| core::DataDriven::build(&data, &options))
+            .or_raise()?,
+    );
+    let shared: Arc<dyn gonio_bsdf::Bsdf> = Arc::clone(&model) as _;
+    Py::new(
+        py,
+        PyClassInitializer::from(Bsdf(shared)).add_subclass(DataDriven(model)),
+    )
+}
+
+fn candidate_of(name: &str) -> PyResult<core::Candidate> {
+    core::Candidate::ALL
+        .into_iter()
+        .find(|c| c.name() == name)
+        .ok_or_else(|| {
+            let names = core::Candidate::ALL.map(core::Candidate::name).join(", ");
+            domain("candidate", format!("{name:?}"), &names)
+        })
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<DataDriven>()?;
+    m.add_function(wrap_pyfunction!(build, m)?)
+}
