@@ -123,7 +123,10 @@ def _readings(s: Slice, material: Material) -> tuple[NDArray[np.float64], NDArra
     deviation = np.abs(s.dsf - truth)
     usable = (s.flags & UNUSABLE) == 0
     clear = usable & ((s.flags & (FLAGS["negative"] | FLAGS["below_noise"])) == 0) & (truth > 0.0)
-    return deviation[clear] / truth[clear], (deviation <= COVERAGE_FACTOR * s.u_dsf)[usable]
+    # Noise that passes for a reading where hardly any light goes has an error without bound.
+    with np.errstate(over="ignore"):
+        relative = deviation[clear] / truth[clear]
+    return relative, (deviation <= COVERAGE_FACTOR * s.u_dsf)[usable]
 
 
 def _integrals(s: Slice, material: Material) -> list[Integral]:
