@@ -12,7 +12,7 @@ use crate::{NoiseModel, Scan, ScanError, ScanKind, Signature};
 pub struct Beam {
     /// Spectral channel.
     pub channel: Channel,
-    /// `P_i = sum E_s Omega_s` \[noback2019 eq. 6.2\], unit of the readings times sr; the mean over repeated scans.
+    /// `P_i = sum E_s Omega_s` \[ApianBennewitz2010; eq. 6.2 of the source chapter\], unit of the readings times sr; the mean over repeated scans.
     pub power: f64,
     /// Relative standard uncertainty of `power` from the raster's quadrature.
     pub u_quadrature: f64,
@@ -51,8 +51,8 @@ const RIM_LIMIT: f64 = 0.01;
 /// uncertainty that all readings of a scan share (dark level).
 ///
 /// The quadrature's uncertainty is Richardson's estimate for a rule of second order: a third of the rms change of the
-/// sum when the raster is thinned to twice its pitch. [formulas §2.5: thinning a raster to twice the pitch changes
-/// the error of pillbox beams by a factor of 8 and more.]
+/// sum when the raster is thinned to twice its pitch. Twice the pitch changes the error of
+/// pillbox beams by a factor of 8 and more, so the estimate is on the safe side.
 ///
 /// # Errors
 /// [`ScanError::Mismatch`] for a record that is no beam scan, holds no signal, mixes channels, distances, apertures

@@ -1,5 +1,6 @@
 //! Whether a blank belongs to the sample it is subtracted from.
 
+use gonio_bsdf::Quantity;
 use gonio_geom::Angles;
 
 use crate::dark::{DarkMethod, DarkSummary};
@@ -10,15 +11,18 @@ const ID: &str = "blank_match";
 const TITLE: &str = "Blank matches the sample";
 /// Share of significantly negative readings that warns, and that fails.
 const NEGATIVE: [f64; 2] = [0.02, 0.2];
+/// Share of a blank's own readings significantly below zero that warns, for quantities that cannot be negative.
+const BELOW_ZERO: f64 = 0.2;
 /// How far the blank's structure may be from its own amplitude in the sample before it warns.
 const STRUCTURE: f64 = 0.5;
 
 /// Judges a subtraction: `net` is the record after it, `raw` its values before.
 ///
-/// Two signs give a wrong blank away. It takes more than was there: readings below zero by more than three standard
+/// Three signs give a wrong blank away. It takes more than was there: readings below zero by more than three standard
 /// deviations. And its own structure (stray light steps along the path) is not in the raw readings: with second
 /// differences along the path, which leave the smooth signal of the sample behind, raw = kappa blank, and kappa is 1
-/// for the right blank, 0 for one whose stray light the sample's scan does not hold.
+/// for the right blank, 0 for one whose stray light the sample's scan does not hold. A blank that is a BSDF or DSF
+/// (the instrument has taken a zero of its own off) cannot be negative: then that zero was another one.
 pub(crate) fn blank_match(
     net: &Scan,
     raw: &[f64],
@@ -59,6 +63,19 @@ pub(crate) fn blank_match(
         if (kappa - 1.0).abs() > STRUCTURE.max(3.0 * u) {
             level = level.max(Level::Warn);
         }
+    }
+    let below = usable
+        .iter()
+        .filter(|&&j| raw[j] - net.value[j] < -3.0 * sigma)
+        .count();
+    let below = below as f64 / usable.len() as f64;
+    if net.quantity != Quantity::Signal && below > BELOW_ZERO {
+        level = level.max(Level::Warn);
+        sentence.push_str(&format!(
+            "; {:.0} % of the blank itself lies below zero, which no stray light does: the instrument's own zero was \
+             another one",
+            100.0 * below
+        ));
     }
     sentence.push_str(match level {
         Level::Fail | Level::Warn => {

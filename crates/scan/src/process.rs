@@ -67,8 +67,8 @@ pub fn process(
 }
 
 /// Raw readings to DSF: dark and blank subtracted, divided by the beam power
-/// \[noback2019 eqs 6.2, 6.4: `DSF_j = E_s,j / P_i`\], with flags, solid-angle weights, hemispherical integrals and
-/// their uncertainty \[jcgm100\]. One slice a sample record, in their order, computed in parallel.
+/// \[ApianBennewitz2010; eqs 6.2, 6.4 of the source chapter: `DSF_j = E_s,j / P_i`\], with flags, solid-angle weights, hemispherical integrals and
+/// their uncertainty \[JCGM100\]. One slice a sample record, in their order, computed in parallel.
 ///
 /// Records whose quantity is a BSDF, DSF or reflectance factor already keep their values (times the cosine where
 /// that is missing) and need no beam; a beam given nevertheless states the resolution. Differing detector distances

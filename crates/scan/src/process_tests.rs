@@ -188,6 +188,29 @@ fn a_blank_of_the_same_stray_light_matches_and_another_does_not() {
     assert!(wrong.level >= Level::Warn, "{}", wrong.sentence);
 }
 
+#[test]
+fn a_dsf_blank_below_zero_warns_that_the_instruments_zero_moved() {
+    let run = |level: f64| {
+        let mut sample = path_scan(10.0, 5.0, |d| 0.1 * d.cos_theta() + 0.01);
+        let mut blank = path_scan(10.0, 5.0, |_| level);
+        blank.kind = ScanKind::Dark;
+        for scan in [&mut sample, &mut blank] {
+            scan.quantity = Quantity::Dsf;
+            scan.meta.noise_readout = Some(1e-5);
+        }
+        let m = process(&[sample], &[], &[blank], &ProcessOptions::default()).unwrap();
+        m.processing.findings[0].clone()
+    };
+    assert_eq!(run(1e-3).level, Level::Pass);
+    let found = run(-1e-3);
+    assert_eq!(found.level, Level::Warn);
+    assert!(
+        found.sentence.contains("zero was another one"),
+        "{}",
+        found.sentence
+    );
+}
+
 /// 95 % intervals of single values and of the DHR over 200 simulated measurements with noise, dark noise and a noisy
 /// reference scan.
 #[test]

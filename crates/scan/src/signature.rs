@@ -7,7 +7,7 @@ use gonio_geom::{DVec3, Direction};
 /// Angular profile of the unscattered beam as the detector sees it (beam convolved with the receiver aperture).
 ///
 /// A measured DSF is the true one convolved with this profile about mirror and through directions; a lobe narrower
-/// than it cannot be told from the beam [ASTM E2387].
+/// than it cannot be told from the beam \[ASTME2387\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Signature {
     /// Full width at half maximum of the azimuthally averaged profile, radians.

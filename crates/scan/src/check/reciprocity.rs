@@ -1,4 +1,4 @@
-//! Helmholtz reciprocity: source and receiver exchanged give the same BSDF \[formulas §3.2\].
+//! Helmholtz reciprocity: source and receiver exchanged give the same BSDF \[Nicodemus1977\].
 
 use gonio_geom::{Angles, Direction};
 

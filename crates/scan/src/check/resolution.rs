@@ -8,7 +8,7 @@ use super::name;
 
 const ID: &str = "resolution";
 const TITLE: &str = "Lobes are wider than the signature";
-/// Ratio of lobe width to signature width below which the width is an upper bound \[formulas §2.4\].
+/// Ratio of lobe width to signature width below which the width is an upper bound.
 const WARN: f64 = 2.0;
 /// Ratio that no real lobe reaches: a measured lobe is never narrower than the beam.
 const FAIL: f64 = 0.8;

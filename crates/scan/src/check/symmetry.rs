@@ -63,9 +63,9 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
     let (level, value, what) = if holds(&rotation) && holds(&plane) {
         let value = worse(rotation, plane);
         let what = if several {
-            "isotropic: rotation about the normal changes nothing"
+            "The sample is isotropic: rotation about the normal changes nothing"
         } else {
-            "isotropic as far as one azimuth of incidence can tell: symmetric about the plane of incidence, and under \
+            "The sample is isotropic as far as one azimuth of incidence can tell: symmetric about the plane of incidence, and under \
              rotation at normal incidence"
         };
         (Level::Pass, value, what)
@@ -73,16 +73,16 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         (
             Level::Pass,
             worse(mirror_x, mirror_y),
-            "quadrilateral: mirror planes through x and y",
+            "The sample is quadrilateral: mirror planes through x and y",
         )
     } else if holds(&mirror_x) || holds(&mirror_y) {
         let score = if holds(&mirror_x) { mirror_x } else { mirror_y };
-        (Level::Pass, score, "bilateral: one mirror plane")
+        (Level::Pass, score, "The sample is bilateral: one mirror plane")
     } else if holds(&plane) {
         (
             Level::Pass,
             plane,
-            "symmetric about the plane of incidence; other azimuths of incidence would tell the rest",
+            "The sample is symmetric about the plane of incidence; other azimuths of incidence would tell the rest",
         )
     } else if plane.is_none() && mirror_x.is_none() && rotation.is_none() {
         return Verdict::not_applicable(
@@ -98,7 +98,7 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         (
             Level::Warn,
             best,
-            "none found: a tilted sample shows up like this (run the alignment), else measure more azimuths of \
+            "No symmetry found: a tilted sample shows up like this (run the alignment), else measure more azimuths of \
              incidence and export rank 4",
         )
     };
@@ -110,7 +110,7 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         value,
         unit: if value.is_some() { "%" } else { "" },
         sentence: format!(
-            "The sample is {what}{}.",
+            "{what}{}.",
             value.map_or(String::new(), |v| format!(" (mean difference {v:.1} %)"))
         ),
     }
