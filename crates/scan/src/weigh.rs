@@ -3,15 +3,11 @@
 use std::f64::consts::TAU;
 
 use gonio_geom::integrate::{IntegralError, IntegralOptions, hemisphere_integral};
-use gonio_geom::weights::{WeightsError, hemisphere_cells};
+use gonio_geom::weights::{WeightsError, hemisphere_cells, patch_weights};
 use gonio_geom::{DVec3, Side};
 
 use crate::measurement::HemisphericalIntegral;
-use crate::robust::median;
 use crate::{ScanError, Slice};
-
-/// Cells that reach further than this many times the median reach belong to the rim of a raster.
-const RIM_REACH: f64 = 3.0;
 
 fn weights_error(error: &WeightsError) -> ScanError {
     ScanError::Domain {
@@ -21,35 +17,10 @@ fn weights_error(error: &WeightsError) -> ScanError {
     }
 }
 
-/// Solid angles of the readings of a bounded raster, sr: spherical Voronoi cells about its centre. Cells of the rim,
-/// which have no neighbour on one side, count as large as the median cell.
+/// Solid angles of the readings of a bounded raster, sr.
 pub(crate) fn patch_omega(points: &[DVec3]) -> Result<Vec<f64>, ScanError> {
-    let sum = points.iter().copied().sum::<DVec3>();
-    let Some(centre) = sum.try_normalize() else {
-        return Err(ScanError::Domain {
-            field: "directions",
-            found: "directions without a centre".into(),
-            allowed: "a bounded raster about one direction".into(),
-        });
-    };
-    let e1 = centre.any_orthonormal_vector();
-    let e2 = centre.cross(e1);
-    let turned: Vec<DVec3> = points
-        .iter()
-        .map(|p| DVec3::new(p.dot(e1), p.dot(e2), p.dot(centre)).normalize_or(DVec3::Z))
-        .collect();
-    let cells = hemisphere_cells(&turned, Side::Front).map_err(|e| weights_error(&e))?;
-    let mut reach = cells.reach.clone();
-    let mut omega = cells.omega.clone();
-    let (Some(typical), Some(cell)) = (median(&mut reach), median(&mut omega)) else {
-        return Ok(cells.omega);
-    };
-    Ok(cells
-        .omega
-        .iter()
-        .zip(&cells.reach)
-        .map(|(&o, &r)| if r > RIM_REACH * typical { cell } else { o })
-        .collect())
+    let weights = patch_weights(points).map_err(|e| weights_error(&e))?;
+    Ok(weights.omega)
 }
 
 /// Part of a hemisphere's solid angle that readings must lie near for its integral to be a measurement.
