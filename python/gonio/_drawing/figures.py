@@ -73,7 +73,7 @@ def bottom_of(values: Floats, floor: float | None) -> float:
     if len(positive) == 0:
         return (floor or 1e-6) / 10.0
     weakest = float(np.percentile(positive, 2.0))
-    least = min(floor, weakest) if floor else weakest
+    least = min(floor, weakest) if floor and floor > weakest / 30.0 else weakest
     return max(least / 4.0, float(positive.max()) * 1e-7)
 
 

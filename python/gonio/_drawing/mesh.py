@@ -1,14 +1,13 @@
 """Triangulated readings of one hemisphere, with unmeasured regions left open."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.tri import Triangulation
 
 from gonio._drawing.directions import across, stereographic, unit_vectors
 from gonio._drawing.quadtree import representatives
-from gonio._drawing.shapes import Floats, Ints, SliceLike, unusable
+from gonio._drawing.shapes import Bools, Floats, Ints, SliceLike, unusable
 
 GAP_FACTOR = 2.2
 """A triangle this many times wider than the typical one spans a gap."""
@@ -40,6 +39,7 @@ class Mesh:
     rows: Ints
     vectors: Floats
     triangles: Ints
+    gaps: Ints
     gap: float
 
 
@@ -62,29 +62,51 @@ def triangulate(slice_: SliceLike, side: str) -> Mesh:
     rows, vectors = _without_repeats(rows, vectors)
     triangles = _delaunay(stereographic(vectors, side))
     if len(triangles) == 0:
-        return Mesh(side, rows, vectors, triangles, 0.0)
+        return Mesh(side, rows, vectors, triangles, triangles, 0.0)
     radius, area = _circumradius_and_area(vectors, triangles)
     gap = float(np.clip(GAP_FACTOR * _weighted_median(radius, area), GAP_LEAST, GAP_MOST))
-    return Mesh(side, rows, vectors, triangles[radius <= gap], gap)
+    return Mesh(side, rows, vectors, triangles[radius <= gap], triangles[radius > gap], gap)
 
 
 def coarsened(mesh: Mesh, chosen: Ints) -> Mesh:
     """Triangulate the readings `chosen` (positions in `mesh.rows`) again, keeping the gaps of `mesh` open.
 
-    A new triangle stays when its centre and at least two of its edges' middles lie in a triangle of `mesh`.
+    A new triangle is dropped when its centre, or the middles of two of its edges, lie in a gap of `mesh`.
     """
     vectors = mesh.vectors[chosen]
     flat = stereographic(mesh.vectors, mesh.side)
     points = flat[chosen]
-    triangles = _delaunay(points)
-    if len(triangles) == 0 or len(mesh.triangles) == 0:
-        return Mesh(mesh.side, mesh.rows[chosen], vectors, triangles[:0], mesh.gap)
-    find: Any = Triangulation(flat[:, 0], flat[:, 1], mesh.triangles).get_trifinder()
+    triangles = _delaunay(points) if len(mesh.triangles) else mesh.triangles
     a, b, c = (points[triangles[:, k]] for k in range(3))
-    covered = find(*((a + b + c) / 3.0).T) >= 0
-    middles = [find(*(0.5 * (p + q)).T) >= 0 for p, q in ((a, b), (b, c), (c, a))]
-    edges = np.sum(middles, axis=0)
-    return Mesh(mesh.side, mesh.rows[chosen], vectors, triangles[covered & (edges >= 2)], mesh.gap)
+    gaps = flat[mesh.gaps]
+    centre = _inside_any((a + b + c) / 3.0, gaps)
+    edges = np.sum([_inside_any(0.5 * (p + q), gaps) for p, q in ((a, b), (b, c), (c, a))], axis=0)
+    lost: Bools = np.logical_or(centre, edges >= 2)
+    return Mesh(mesh.side, mesh.rows[chosen], vectors, triangles[~lost], triangles[lost], mesh.gap)
+
+
+def _inside_any(points: Floats, triangles: Floats) -> Bools:
+    """Tell which points (n, 2) lie strictly inside any of the triangles (m, 3, 2)."""
+    inside = np.zeros(len(points), dtype=bool)
+    if len(points) == 0 or len(triangles) == 0:
+        return inside
+    order = np.argsort(points[:, 0])
+    sorted_x = points[order, 0]
+    low = np.searchsorted(sorted_x, triangles[:, :, 0].min(axis=1))
+    high = np.searchsorted(sorted_x, triangles[:, :, 0].max(axis=1), side="right")
+    for corners, start, stop in zip(triangles, low, high, strict=True):
+        if start < stop:
+            near = order[start:stop]
+            inside[near] |= _inside(points[near], corners)
+    return inside
+
+
+def _inside(points: Floats, corners: Floats) -> Bools:
+    towards = np.roll(corners, -1, axis=0) - corners
+    offset = points[:, None, :] - corners[None, :, :]
+    cross = towards[None, :, 0] * offset[:, :, 1] - towards[None, :, 1] * offset[:, :, 0]
+    inside: Bools = np.abs(np.sign(cross).sum(axis=1)) == 3.0
+    return inside
 
 
 def _fewer(slice_: SliceLike, side: str, rows: Ints, vectors: Floats) -> Ints:

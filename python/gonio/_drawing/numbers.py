@@ -43,6 +43,15 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{_minus(f'{value / 10.0**exponent:.{digits - 1}f}')}·10{_superscript(exponent)}"
 
 
+def angle(degrees: float) -> str:
+    """Write an angle in degrees to 0.001, without trailing zeros.
+
+    >>> angle(15.000000001)
+    '15'
+    """
+    return _minus(f"{round(degrees, 3) + 0.0:g}")
+
+
 def percent(fraction: float, digits: int = 2) -> str:
     """Write a fraction in percent."""
     if not math.isfinite(fraction):

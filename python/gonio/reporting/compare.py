@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gonio._drawing.numbers import number, percent
+from gonio._drawing.numbers import angle, percent
 from gonio._drawing.shapes import BsdfLike, Floats, Snapshot, unusable
 
 if TYPE_CHECKING:
@@ -65,8 +65,8 @@ def _row(d: "DrawnSlice", reference: Reference) -> dict[str, str]:
     rows, expected = rows[good], expected[good]
     row = {
         "reference": reference.label,
-        "theta_i": number(s.theta_i),
-        "phi_i": number(s.phi_i),
+        "theta_i": angle(s.theta_i),
+        "phi_i": angle(s.phi_i),
         "channel": s.channel,
     }
     if len(rows) == 0:

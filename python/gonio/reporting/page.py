@@ -74,7 +74,7 @@ def render_report(
             verdicts=[header.verdict_row(v) for v in verdicts],
             integrals=integrals,
             show=tables.columns(drawn),
-            several_phi=len({round(d.slice.phi_i, 4) for d in drawn}) > 1,
+            several_phi=tables.several_azimuths(drawn),
             channels=payload["channels"],
             incidences=sparkline.cards(drawn),
             facts=Markup(to_json(tables.drawn_facts(drawn))),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gonio._drawing.directions import component_of
-from gonio._drawing.numbers import number
+from gonio._drawing.numbers import angle, number
 from gonio._drawing.shapes import Floats
 from gonio.reporting.drawn import DrawnSlice
 from gonio.reporting.payload import incidence_of
@@ -48,9 +48,7 @@ def _card(d: DrawnSlice, top: float, span: tuple[float, float]) -> Card:
         for i in s.integrals
     ]
     mirror = (s.theta_i - span[0]) / (span[1] - span[0]) * WIDTH
-    return Card(
-        number(round(s.theta_i, 2)), number(round(s.phi_i, 2)), integrals, _paths(d, top, span), mirror
-    )
+    return Card(angle(s.theta_i), angle(s.phi_i), integrals, _paths(d, top, span), mirror)
 
 
 def _paths(d: DrawnSlice, top: float, span: tuple[float, float], decades: float = 3.5) -> list[str]:

@@ -1,7 +1,7 @@
 """Tables of numbers: hemispherical integrals and what is known of each slice."""
 
 from gonio._drawing.directions import component_of
-from gonio._drawing.numbers import number, percent, with_uncertainty
+from gonio._drawing.numbers import angle, number, percent, with_uncertainty
 from gonio._drawing.shapes import MeasurementLike
 from gonio.reporting.drawn import DrawnSlice
 from gonio.reporting.header import grouped
@@ -17,8 +17,8 @@ def integral_rows(measurement: MeasurementLike) -> list[dict[str, str]]:
             value, extrapolated = float(integral.value), float(integral.extrapolated)
             rows.append(
                 {
-                    "theta_i": number(float(s.theta_i)),
-                    "phi_i": number(float(s.phi_i)),
+                    "theta_i": angle(float(s.theta_i)),
+                    "phi_i": angle(float(s.phi_i)),
                     "channel": str(s.channel),
                     "quantity": "DHR" if component == "reflection" else "DHT",
                     "value": with_uncertainty(value, float(integral.u)),
@@ -48,8 +48,10 @@ def drawn_facts(drawn: list[DrawnSlice]) -> list[list[tuple[str, str]]]:
 
 
 def columns(drawn: list[DrawnSlice]) -> dict[str, bool]:
-    """Which of the columns that often hold one value only are worth showing."""
-    return {
-        "phi_i": len({round(d.slice.phi_i, 4) for d in drawn}) > 1,
-        "channel": len({d.slice.channel for d in drawn}) > 1,
-    }
+    """Tell which of the columns that often hold one value only are worth showing."""
+    return {"phi_i": several_azimuths(drawn), "channel": len({d.slice.channel for d in drawn}) > 1}
+
+
+def several_azimuths(drawn: list[DrawnSlice]) -> bool:
+    """Tell whether oblique incidences come from more than one azimuth; at the normal an azimuth means nothing."""
+    return len({round(d.slice.phi_i, 3) for d in drawn if 0.01 < d.slice.theta_i < 179.99}) > 1

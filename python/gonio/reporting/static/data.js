@@ -63,6 +63,15 @@ Gonio.landmarks = (s) => {
   ];
 };
 
+// At the normal an azimuth of incidence means nothing.
+Gonio.normal = (i) => i.theta_i < 0.01 || i.theta_i > 179.99;
+
+// Azimuths of the oblique incidences, or the only one there is.
+Gonio.azimuths = () => {
+  const oblique = Gonio.data.incidences.filter((i) => !Gonio.normal(i));
+  return [...new Set((oblique.length ? oblique : Gonio.data.incidences.slice(0, 1)).map((i) => i.phi_i))];
+};
+
 // Values of the chosen quantity at the readings of a hemisphere; a BSDF within 0.6 degrees of the horizon is left out.
 Gonio.values = (side, quantity) => {
   if (quantity === "dsf") return side.dsf;

@@ -5,11 +5,11 @@ Gonio.drawIntegrals = () => {
   if (!element) return;
   const p = Gonio.palette(), traces = [], several = Gonio.data.channels.length > 1;
   const panels = Gonio.integralPanels(p);
-  const azimuths = [...new Set(Gonio.data.incidences.map((i) => i.phi_i))];
+  const azimuths = Gonio.azimuths();
   Gonio.data.channels.forEach((channel, c) => {
     for (const component of ["reflection", "transmission"]) {
       azimuths.forEach((phi, a) => {
-        const rows = Gonio.data.slices.filter((s) => s.channel === c && Math.abs(s.phi_i - phi) < 1e-3)
+        const rows = Gonio.data.slices.filter((s) => s.channel === c && (Gonio.normal(s) || Math.abs(s.phi_i - phi) < 1e-3))
           .map((s) => [s.theta_i, s.integrals.find((i) => i.component === component)])
           .filter(([, i]) => i && i.value !== null).sort((one, two) => one[0] - two[0]);
         if (!rows.length) return;

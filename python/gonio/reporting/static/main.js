@@ -5,7 +5,7 @@ Gonio.state = { incidence: 0, channel: 0, quantity: "dsf", log: true, common: tr
 Gonio.show = () => {
   const state = Gonio.state, i = Gonio.data.incidences[state.incidence];
   if (!i) return;
-  const several = new Set(Gonio.data.incidences.map((one) => one.phi_i)).size > 1;
+  const several = Gonio.azimuths().length > 1;
   const text = "θi " + Gonio.angle(i.theta_i) + (several ? ", φi " + Gonio.angle(i.phi_i) : "");
   document.getElementById("incidence-text").textContent = text;
   const slider = document.getElementById("incidence");

@@ -98,9 +98,9 @@ Gonio.zooms = {
   through: (s, span) => [Math.max(180 - s.theta_i - 15, span[0]), Math.min(180 - s.theta_i + 15, span[1])],
 };
 
-// Lower end of a logarithmic axis: a little under the noise floor or the weakest values, whichever is higher.
+// Lower end of a logarithmic axis: under the noise floor when that is near the weakest values, else under those.
 Gonio.profileBottom = (s, range) => {
-  const least = s.floor ? Math.min(s.floor, range.low) : range.low;
+  const least = s.floor && s.floor > range.low / 30 ? Math.min(s.floor, range.low) : range.low;
   return range.positive ? Math.max(least / 4, range.high * 1e-7) : 1e-6;
 };
 
@@ -153,6 +153,6 @@ Gonio.profileCaption = (s, log) => {
   const parts = ["Dots: readings within " + String(s.profile.tolerance) + "° of the plane."];
   parts.push(s.profile.interpolated ? "Line: neighbouring readings joined across the plane; a gap where there was no neighbour." : "These readings lie in one plane and are joined directly; a gap where a step is missing.");
   if (Gonio.data.fwhm) parts.push("Resolution: the beam is " + Gonio.number(Gonio.data.fwhm, 3) + "° wide (FWHM, grey stripe); nothing narrower can be seen.");
-  if (log && s.floor) parts.push("Below the noise floor a reading is an upper limit.");
+  if (log && s.floor) parts.push("Below the noise floor (DSF " + Gonio.number(s.floor, 2) + " 1/sr) a reading is an upper limit.");
   return parts.join(" ");
 };
