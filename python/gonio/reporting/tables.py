@@ -53,5 +53,5 @@ def columns(drawn: list[DrawnSlice]) -> dict[str, bool]:
 
 
 def several_azimuths(drawn: list[DrawnSlice]) -> bool:
-    """Tell whether oblique incidences come from more than one azimuth; at the normal an azimuth means nothing."""
+    """Tell whether oblique incidences come from several azimuths; at the normal an azimuth means nothing."""
     return len({round(d.slice.phi_i, 3) for d in drawn if 0.01 < d.slice.theta_i < 179.99}) > 1
