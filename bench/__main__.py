@@ -1,7 +1,7 @@
-"""`python -m bench [ids…]`: run the benchmarks, print a table, merge the records into bench/results.json by id.
+"""`python -m bench [ids…]`: run benchmarks, print a table, merge the records into bench/results.json.
 
-A record is {id, ours, peer, peer_name, ratio, unit, command}; `ratio` is peer / ours. A module may carry `IDS`, the
-ids its `run` gives, so that only the modules that are asked for run.
+A record is {id, ours, peer, peer_name, ratio, unit, command}; `ratio` is peer / ours. A module may carry
+`IDS`, the ids its `run` gives, so that only the modules that are asked for run.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A Mountain file of 1,000,000 lines into numpy arrays: gonio against pandas' C engine and numpy.loadtxt.
 
-CPU seconds (user and system) of this process around each call; the median of pairs that alternate within one run,
-after one call of each to warm the page cache and the allocators.
+CPU seconds (user and system) of this process around each call; the median of pairs that alternate within one
+run, after one call of each to warm the page cache and the allocators.
 """
 
 from __future__ import annotations
