@@ -16,9 +16,9 @@ from gonio._native import FormatError, QuantityError, Scan
 FORMAT = "rt300s"
 MAGIC = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"  # OLE2, the container of .xls
 
-# Row of the sheets for each quantity, and the factor that turns it into that quantity. RT is the reading against
-# a white diffuser: it goes with the detector's signal by one factor at all angles, and it is reciprocal once
-# divided by cos theta_s, so RT / pi is the DSF and not the BSDF (docs/formats/rt300s.md shows both).
+# Row of the sheets for each quantity, and the factor that turns it into that quantity. RT is the reading
+# against a white diffuser: it goes with the detector signal by one factor at all angles, and it is
+# reciprocal once divided by cos theta_s, so RT / pi is the DSF and not the BSDF (docs/formats/rt300s.md).
 ROWS = {"dsf": ("RT", 1.0 / math.pi), "signal": ("RT/nm", 1.0)}
 METHOD = "BRDF_LD"
 LASER = "650nm"  # the laser diode of METHOD
