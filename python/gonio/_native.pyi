@@ -264,3 +264,17 @@ def process_relative(
 ) -> MeasurementData: ...
 def align(measurement: MeasurementData) -> dict[str, float]: ...
 def correct_alignment(measurement: MeasurementData) -> MeasurementData: ...
+
+def hemisphere_weights(
+    theta_s: ArrayLike, phi_s: ArrayLike, *, side: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+def hemisphere_integral(
+    theta_s: ArrayLike,
+    phi_s: ArrayLike,
+    dsf: ArrayLike,
+    *,
+    side: str,
+    incidence: tuple[float, float] | None = None,
+    u_dsf: ArrayLike | None = None,
+    reach: float | None = None,
+) -> dict[str, float]: ...

@@ -11,6 +11,7 @@ mod scan;
 mod simulate;
 mod slice;
 mod verdict;
+mod weights;
 
 use pyo3::prelude::*;
 
@@ -26,5 +27,6 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     verdict::register(m)?;
     bsdf::register(m)?;
     model::register(m)?;
-    simulate::register(m)
+    simulate::register(m)?;
+    weights::register(m)
 }
