@@ -1,4 +1,4 @@
-"""The whole chain on a known material: simulate, process, check, export, report, compare."""
+"""The whole chain on a known material: simulate, process, check, build, report, compare."""
 
 from __future__ import annotations
 
@@ -9,13 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gonio._native import DataDriven, Verdict
+from gonio.building import build
+from gonio.checking import check
 from gonio.materials import Material
 from gonio.measurement import Measurement
 from gonio.processing import process
 from gonio.reporting import report
 from gonio.simulating import Campaign, simulate
 from gonio.truth import Comparison, compare
-from gonio.working import Progress, silent
+from gonio.working import Progress, interruptible, silent
 
 DIRECTORY = "gonio-demo"
 """Where demos go unless told otherwise, each into a directory named after material and seed."""
@@ -27,6 +30,8 @@ class DemoResult:
 
     campaign: Campaign
     measurement: Measurement
+    verdicts: tuple[Verdict, ...]
+    model: DataDriven
     comparison: Comparison
     out: Path
     raw: Path
@@ -67,9 +72,9 @@ def demo(
 ) -> DemoResult:
     """Run the whole chain on a known material and compare with the truth.
 
-    A virtual campaign is written as raw instrument files; these files alone are then processed, checked,
-    exported and reported as those of a real instrument are. Only the comparison at the end knows the
-    material.
+    A virtual campaign is written as raw instrument files; these files alone are then processed, checked and
+    made into a model as those of a real instrument are. Only the comparison at the end and the curves that
+    the report draws over the readings know the material.
 
     Parameters
     ----------
@@ -99,13 +104,28 @@ def demo(
     measurement = process(
         campaign.sample, beam=campaign.beam, dark=campaign.dark, out=measured, progress=progress
     )
-    report(measurement, out=page, progress=progress)
+    progress("checking", 0, 1)
+    verdicts = check(measurement)
+    progress("checking", 1, 1)
+    progress("building", 0, 1)
+    model = interruptible(lambda: build(measurement))
+    progress("building", 1, 1)
+    report(
+        measurement,
+        out=page,
+        verdicts=verdicts,
+        model=model,
+        truth=campaign.material.bsdf,
+        progress=progress,
+    )
     progress("comparing", 0, 1)
     comparison = compare(measurement, material=campaign.material)
     progress("comparing", 1, 1)
     return DemoResult(
         campaign=campaign,
         measurement=measurement,
+        verdicts=tuple(verdicts),
+        model=model,
         comparison=comparison,
         out=target,
         raw=raw,

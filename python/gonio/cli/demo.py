@@ -56,10 +56,18 @@ def _show(result: DemoResult) -> None:
         )
     out.print(table)
     out.print("\n" + "\n".join(_sentences(c)))
+    out.print(_checks(result))
     out.print(f"\nraw readings  {result.raw}")
     out.print(f"measurement   {result.measured}")
     out.print(f"report        {result.report}")
     out.print(f"\n{result.seconds:.1f} s")
+
+
+def _checks(result: DemoResult) -> str:
+    grave = [f"{v.title} ({v.verdict})" for v in result.verdicts if v.verdict in ("warn", "fail")]
+    return f"{len(result.verdicts)} checks of the measurement: " + (
+        f"see the report on {', '.join(grave)}." if grave else "none objects."
+    )
 
 
 def _sentences(c: Comparison) -> list[str]:
