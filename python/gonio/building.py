@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from gonio import _native
 from gonio._native import DataDriven
-from gonio.measurement import Measurement
+from gonio.checking import MeasurementOrPath, loaded
+from gonio.working import Progress, interruptible, silent
 
 COVERAGE = ("measured", "interpolated", "extrapolated", "missing")
 """Names of the codes that `DataDriven.coverage` returns."""
 
 
 def build(
-    measurement: Measurement,
+    measurement: MeasurementOrPath,
     *,
     channel: str | None = None,
     symmetry: str = "auto",
     smooth: bool = True,
     candidate: str | None = None,
+    progress: Progress = silent,
 ) -> DataDriven:
     """Build the data-driven model of one channel: measured slices, interpolated.
 
@@ -25,7 +27,7 @@ def build(
     Parameters
     ----------
     measurement
-        Processed readings of at least two incidences.
+        Processed readings of at least two incidences, or the directory they are saved in.
     channel
         Name of the channel; may be left out when there is only one.
     symmetry
@@ -35,12 +37,15 @@ def build(
     candidate
         Interpolation over incidence by name, as in `DataDriven.summary`; by default the one with the least
         leave-one-incidence-out error.
+    progress
+        Called with stage, parts done and parts in all.
 
     Returns
     -------
     DataDriven
-        A `Bsdf` that also tells its leave-one-incidence-out errors (`loo`), how it was built (`summary`),
-        what to know (`warnings`), and how each value is known (`coverage`, see `COVERAGE`).
+        A `Bsdf` that also tells its leave-one-incidence-out errors (`loo`, the largest is `loo_error`), how
+        it was built (`summary`), what to know (`warnings`), and how each value is known (`coverage`, see
+        `COVERAGE`).
 
     Raises
     ------
@@ -50,7 +55,13 @@ def build(
         Fewer than two incidences, or readings that do not span a hemisphere.
     DomainError
         An option outside its choices.
+    FormatError, OSError
+        A saved measurement cannot be loaded.
     """
-    return _native.build(
-        measurement._data, channel=channel, symmetry=symmetry, smooth=smooth, candidate=candidate
+    data = loaded(measurement)._data
+    progress("building", 0, 1)
+    model = interruptible(
+        lambda: _native.build(data, channel=channel, symmetry=symmetry, smooth=smooth, candidate=candidate)
     )
+    progress("building", 1, 1)
+    return model

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
 from gonio import _native
-from gonio._native import QuantityError, Scan
+from gonio._native import DomainError, MeasurementData, QuantityError, Scan
 from gonio.files import check_directory
 from gonio.measurement import JSON_NAME, Measurement
 from gonio.provenance import input_file, provenance
@@ -25,6 +25,10 @@ def process(
     *,
     beam: Source | None = None,
     dark: Source | None = None,
+    standard: Source | None = None,
+    standard_reflectance: float | None = None,
+    u_standard: float = 0.0,
+    align: bool = False,
     format: str | None = None,
     columns: Mapping[str, str] | None = None,
     quantity: str | None = None,
@@ -44,7 +48,8 @@ def process(
     """Process raw readings of a sample to DSF and BSDF with their uncertainty.
 
     Raw signals are freed of the dark reading and divided by the beam power of the reference scan. Values that
-    are a BSDF, DSF or reflectance factor already are kept and need no reference scan.
+    are a BSDF, DSF or reflectance factor already are kept and need no reference scan. With `standard` the
+    signals are divided by those of a calibrated standard instead.
 
     Parameters
     ----------
@@ -54,8 +59,17 @@ def process(
         Reference scan of the bare beam, of the same channel as the sample.
     dark
         Dark readings, or a blank scanned over the directions of the sample.
+    standard
+        Scans of a calibrated standard over the directions of the sample, in place of `beam`.
+    standard_reflectance
+        Reflectance factor of the standard; needed with `standard`.
+    u_standard
+        Relative standard uncertainty of `standard_reflectance`, as a fraction.
+    align
+        Turn the result into the frame of the sample's true normal, estimated from the mirror peaks. The
+        estimate is in `provenance["processing"]["alignment"]` in any case, None where the data do not tell.
     format, columns, quantity, channel, upphi
-        What the files do not tell, as in `gonio.read`; `quantity` holds for the sample's files only.
+        What the files do not tell, as in `gonio.read`; `quantity` does not hold for `beam`.
     dark_method
         How dark readings are assigned: direction, time, level, or auto.
     dark_tolerance
@@ -91,14 +105,10 @@ def process(
     """
     if out is not None:
         check_directory(out, marker=JSON_NAME, force=force)
-    sources = {"sample": files, "beam": beam, "dark": dark}
+    sources = {"sample": files, "beam": beam, "dark": dark, "standard": standard}
     told = {"format": format, "columns": columns, "channel": channel, "upphi": upphi}
     scans, inputs = _gather(sources, told, quantity, progress)
-    if scans["standard"]:
-        raise QuantityError(
-            f"kind: found {len(scans['standard'])} scans of a standard, needed sample, beam and dark scans"
-        )
-    settings = {
+    settings: dict[str, Any] = {
         "dark_method": dark_method,
         "dark_tolerance": dark_tolerance,
         "noise_readout": noise_readout,
@@ -107,29 +117,53 @@ def process(
         "u_calibration": u_calibration,
         "shadow_radius": shadow_radius,
     }
+    relative = {"standard_reflectance": standard_reflectance, "u_standard": u_standard}
     progress("processing", 0, 1)
-    data = interruptible(
-        lambda: _native.process(
-            scans["sample"],
-            beam=scans["beam"],
-            dark=scans["dark"],
-            dark_method=dark_method,
-            dark_tolerance=dark_tolerance,
-            noise_readout=noise_readout,
-            noise_relative=noise_relative,
-            u_angle=u_angle,
-            u_calibration=u_calibration,
-            shadow_radius=shadow_radius,
-        )
-    )
+    data = interruptible(lambda: _compute(scans, relative, settings))
+    alignment = _alignment(data)
+    if align:
+        data = interruptible(lambda: _native.correct_alignment(data))
     progress("processing", 1, 1)
-    origin = provenance(inputs=inputs, settings={**told, "quantity": quantity, **settings})
-    measurement = Measurement._wrap(data, provenance={**origin, "processing": data.processing})
+    origin = provenance(
+        inputs=inputs, settings={**told, "quantity": quantity, **settings, **relative, "align": align}
+    )
+    found = {**data.processing, "alignment": alignment}
+    measurement = Measurement._wrap(data, provenance={**origin, "processing": found})
     if out is not None:
         progress("saving", 0, 1)
         measurement.save(out, force=force)
         progress("saving", 1, 1)
     return measurement
+
+
+def _compute(
+    scans: Mapping[str, list[Scan]], relative: Mapping[str, Any], settings: Mapping[str, Any]
+) -> MeasurementData:
+    """Result of the absolute route, or of the relative one when there are scans of a standard."""
+    if not scans["standard"]:
+        if relative["standard_reflectance"] is not None:
+            raise QuantityError("standard: found a reflectance factor without a scan, needed both")
+        return _native.process(scans["sample"], beam=scans["beam"], dark=scans["dark"], **settings)
+    if scans["beam"]:
+        raise QuantityError("reference: found scans of the beam and of a standard, needed one of the two")
+    if relative["standard_reflectance"] is None:
+        raise QuantityError("standard_reflectance: found none, needed the standard's reflectance factor")
+    return _native.process_relative(
+        scans["sample"],
+        standard=scans["standard"],
+        reflectance_factor=[relative["standard_reflectance"]],
+        u_standard=relative["u_standard"],
+        dark=scans["dark"],
+        **settings,
+    )
+
+
+def _alignment(data: MeasurementData) -> dict[str, float] | None:
+    """Tilt and azimuth offset in degrees; None where the mirror peaks do not tell."""
+    try:
+        return interruptible(lambda: _native.align(data))
+    except (DomainError, QuantityError):
+        return None
 
 
 def _gather(
@@ -166,7 +200,9 @@ def _items(source: Source | None) -> list[PathLike | Scan]:
 
 def _read(path: PathLike, role: str, told: Mapping[str, Any], quantity: str | None) -> list[Scan]:
     """Scans of a file; files that do not tell their kind take it from their role."""
-    of_sample = role == "sample"
     return read_file(
-        path, **told, kind=None if of_sample else role, quantity=quantity if of_sample else None
+        path,
+        **told,
+        kind=None if role == "sample" else role,
+        quantity=None if role == "beam" else quantity,
     )[1]

@@ -40,6 +40,12 @@ impl DataDriven {
             .collect()
     }
 
+    /// Largest `rel_rms` of `loo`; None when no incidence lies between others.
+    #[getter]
+    fn loo_error(&self) -> Option<f64> {
+        self.0.loo().iter().map(|e| e.rel_rms).reduce(f64::max)
+    }
+
     /// How each side and component was built: side, component, incidences, readings, table_values, bilateral,
     /// candidate, scores (mean relative L1 of every candidate by name).
     #[getter]

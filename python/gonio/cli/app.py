@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 import gonio
+from gonio.cli.build import build
 from gonio.cli.check import check
 from gonio.cli.demo import demo
 from gonio.cli.inspect import inspect
@@ -39,7 +40,7 @@ def _root(
     pass
 
 
-for function in (inspect, process, check, report, simulate, demo):
+for function in (inspect, process, check, build, report, simulate, demo):
     verb(app, function)
 
 

@@ -33,7 +33,8 @@ def check(
         width = max(len(v.title) for v in verdicts)
         for v in verdicts:
             out.print(f"{v.verdict:<4}", style=STYLES[v.verdict], end="  ")
-            value = "" if v.value is None else f"{v.value:.4g} {v.unit}".strip() + ": "
+            unit = "" if v.unit == "1" else f" {v.unit}"
+            value = "" if v.value is None else f"{v.value:.4g}{unit}: "
             out.print(f"{v.title:<{width}}  {value}{v.sentence}")
     if any(v.verdict == "fail" for v in verdicts):
         raise typer.Exit(EXIT_FAILED)

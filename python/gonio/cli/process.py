@@ -17,6 +17,14 @@ def process(
     to: Annotated[Path, typer.Option("-o", "--out", help="Directory of the measurement.")],
     beam: Annotated[list[Path] | None, typer.Option(help="Reference scan of the beam; repeat it.")] = None,
     dark: Annotated[list[Path] | None, typer.Option(help="Dark or blank scan; repeat it.")] = None,
+    standard: Annotated[
+        list[Path] | None, typer.Option(help="Scan of a calibrated standard, in place of --beam.")
+    ] = None,
+    standard_reflectance: Annotated[
+        float | None, typer.Option(help="Reflectance factor of the standard.")
+    ] = None,
+    u_standard: Annotated[float, typer.Option(help="Its relative standard uncertainty.")] = 0.0,
+    align: Annotated[bool, typer.Option("--align", help="Correct the sample's tilt and azimuth.")] = False,
     format: Format = None,
     column: Columns = None,
     quantity: Quantity = None,
@@ -41,6 +49,10 @@ def process(
             files,
             beam=beam,
             dark=dark,
+            standard=standard,
+            standard_reflectance=standard_reflectance,
+            u_standard=u_standard,
+            align=align,
             format=format,
             columns=column_map(column),
             quantity=quantity,
@@ -64,6 +76,10 @@ def process(
         print_json({"out": to, **measurement.summary()})
         return
     out.print(f"{to}: {measurement}")
+    tilt = measurement.provenance["processing"]["alignment"]
+    if tilt is not None:
+        done = "corrected" if align else "not corrected"
+        out.print(f"  tilt {tilt['tilt']:.3f} deg, azimuth offset {tilt['azimuth']:.3f} deg ({done})")
     for s in measurement.slices:
         for i in s.integrals:
             name = "DHR" if (s.theta_i <= 90) == (i.side == "front") else "DHT"
