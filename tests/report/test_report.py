@@ -192,3 +192,12 @@ def test_the_page_of_a_campaign_stays_small(tmp_path):
     slices = [samples.make_slice(t, channel=c) for t in range(0, 80, 5) for c in ("red", "green", "blue")]
     path = render_report(samples.measurement(slices), samples.verdicts(), out=tmp_path / "r.html")
     assert path.stat().st_size < 12e6
+
+
+def test_nested_provenance_is_laid_out_as_tables(tmp_path):
+    provenance = {"processing": {"dark": [{"method": "time", "mean": 2.0335613}], "mode": {"deep": [1, 2]}}}
+    page = page_of([samples.make_slice()], tmp_path, provenance=provenance)
+    assert "Processing: dark" in page.words
+    assert "2.03356" in page.words
+    assert "mode / deep 1, 2" in page.words
+    assert "{" not in page.words

@@ -34,13 +34,23 @@ def sections(provenance: Any) -> list[dict[str, Any]]:
     if plain:
         tables.append({"title": "General", "pairs": plain})
     for key, value in provenance.items():
-        if isinstance(value, Mapping) and value:
-            tables.append({"title": _title(key), "pairs": _pairs(value)})
-        elif _records(value):
-            names = list(dict.fromkeys(str(k) for record in value for k in record))
-            rows = [[_text(record.get(name, "")) for name in names] for record in value]
-            tables.append({"title": _title(key), "names": names, "rows": rows})
+        tables.extend(_tables(_title(key), value))
     return tables
+
+
+def _tables(title: str, value: Any) -> list[dict[str, Any]]:
+    """Lay out one entry; lists of records inside a mapping become tables of their own, named after both."""
+    if isinstance(value, Mapping) and value:
+        own = {k: v for k, v in value.items() if not _records(v)}
+        below = [
+            t for k, v in value.items() if _records(v) for t in _tables(f"{title}: {_title(k).lower()}", v)
+        ]
+        return ([{"title": title, "pairs": _pairs(own)}] if own else []) + below
+    if _records(value):
+        names = list(dict.fromkeys(str(k) for record in value for k in record))
+        rows = [[_text(record.get(name, "")) for name in names] for record in value]
+        return [{"title": title, "names": names, "rows": rows}]
+    return []
 
 
 def _pairs(mapping: Mapping[Any, Any], prefix: str = "") -> list[tuple[str, str]]:
