@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use crate::mesh::Mesh;
 
-/// Rings tried, and whether a quadratic (else a plane) is fitted.
-const STEPS: [(usize, bool); 3] = [(1, false), (2, true), (3, true)];
+/// Whether a quadratic (else a plane) is fitted to the readings up to each ring.
+const STEPS: [bool; 3] = [false, true, true];
 
 /// Accepted excess of chi-square over its degrees of freedom, in its standard deviations. The rings overlap from
 /// reading to reading, so a looser bound would let curvature through everywhere at once.
@@ -47,89 +47,81 @@ impl Workspace {
         if !noisy(k) {
             return values[k];
         }
+        let origin = mesh.points()[k];
+        let offset = |j: u32| {
+            let p = mesh.points()[j as usize];
+            [p[0] - origin[0], p[1] - origin[1]]
+        };
+        let scale = neighbours
+            .of(k)
+            .iter()
+            .filter(|&&j| noisy(j as usize))
+            .map(|&j| offset(j).map(f64::abs).into_iter().fold(0.0, f64::max))
+            .fold(0.0, f64::max);
+        if scale <= 0.0 {
+            return values[k];
+        }
         self.members.clear();
         self.members.push(k as u32);
-        let mut outer = 0;
-        let mut best = values[k];
-        for (_, quadratic) in STEPS {
+        let mut fit = Fit::default();
+        fit.add([0.0, 0.0], 0.0, sigma[k]);
+        let (mut outer, mut best) = (0, values[k]);
+        for quadratic in STEPS {
             let end = self.members.len();
             for m in outer..end {
                 for &j in neighbours.of(self.members[m] as usize) {
                     if noisy(j as usize) && !self.members.contains(&j) {
                         self.members.push(j);
+                        let at = offset(j).map(|x| x / scale);
+                        fit.add(at, values[j as usize] - values[k], sigma[j as usize]);
                     }
                 }
             }
             outer = end;
-            let Some((value, chi2, dof)) = fit(mesh, values, sigma, k, &self.members, quadratic) else {
-                continue;
-            };
-            let dof = dof as f64;
-            if chi2 <= dof + EXCESS * (2.0 * dof).sqrt() {
-                best = value;
+            if let Some(value) = fit.consistent_value(quadratic) {
+                best = values[k] + value;
             }
         }
         best
     }
 }
 
-/// Weighted least squares around vertex `k`: value at `k`, chi-square and degrees of freedom. `None` when the
-/// members do not determine the polynomial.
-fn fit(
-    mesh: &Mesh,
-    values: &[f64],
-    sigma: &[f64],
-    k: usize,
-    members: &[u32],
-    quadratic: bool,
-) -> Option<(f64, f64, usize)> {
-    let n = if quadratic { 6 } else { 3 };
-    if members.len() < n + 2 {
-        return None;
-    }
-    let origin = mesh.points()[k];
-    let offset = |j: u32| {
-        let p = mesh.points()[j as usize];
-        [p[0] - origin[0], p[1] - origin[1]]
-    };
-    let scale = members
-        .iter()
-        .map(|&j| {
-            let d = offset(j);
-            d[0].abs().max(d[1].abs())
-        })
-        .fold(0.0, f64::max);
-    if scale <= 0.0 {
-        return None;
-    }
-    let row = |j: u32| {
-        let d = offset(j);
-        let (x, y) = (d[0] / scale, d[1] / scale);
-        [1.0, x, y, x * x, x * y, y * y]
-    };
-    let mut normal = [[0.0; 6]; 6];
-    let mut right = [0.0; 6];
-    for &j in members {
-        let r = row(j);
-        let w = 1.0 / (sigma[j as usize] * sigma[j as usize]);
-        for a in 0..n {
+/// Weighted least squares of a polynomial around the origin, reading by reading.
+#[derive(Clone, Copy, Debug, Default)]
+struct Fit {
+    /// Lower triangle of the normal matrix over 1, x, y, x^2, x y, y^2.
+    normal: [[f64; 6]; 6],
+    right: [f64; 6],
+    sum_of_squares: f64,
+    count: usize,
+}
+
+impl Fit {
+    fn add(&mut self, [x, y]: [f64; 2], value: f64, sigma: f64) {
+        let row = [1.0, x, y, x * x, x * y, y * y];
+        let w = 1.0 / (sigma * sigma);
+        for a in 0..6 {
             for b in 0..=a {
-                normal[a][b] += w * r[a] * r[b];
+                self.normal[a][b] += w * row[a] * row[b];
             }
-            right[a] += w * r[a] * values[j as usize];
+            self.right[a] += w * row[a] * value;
         }
+        self.sum_of_squares += w * value * value;
+        self.count += 1;
     }
-    let solution = cholesky_solve(normal, right, n)?;
-    let chi2 = members
-        .iter()
-        .map(|&j| {
-            let r = row(j);
-            let model: f64 = (0..n).map(|a| r[a] * solution[a]).sum();
-            let residual = (values[j as usize] - model) / sigma[j as usize];
-            residual * residual
-        })
-        .sum();
-    Some((solution[0], chi2, members.len() - n))
+
+    /// The polynomial's value at the origin; `None` when the readings do not determine it or scatter about it by
+    /// more than their noise.
+    fn consistent_value(&self, quadratic: bool) -> Option<f64> {
+        let n = if quadratic { 6 } else { 3 };
+        if self.count < n + 2 {
+            return None;
+        }
+        let solution = cholesky_solve(self.normal, self.right, n)?;
+        let explained: f64 = (0..n).map(|a| solution[a] * self.right[a]).sum();
+        let (chi2, dof) = (self.sum_of_squares - explained, (self.count - n) as f64);
+        (chi2 <= dof + EXCESS * (2.0 * dof).sqrt()).then_some(solution[0])
+    }
 }
 
 /// Solves `a x = b` for a symmetric positive matrix given by its lower triangle; `None` when it is (nearly) singular.
