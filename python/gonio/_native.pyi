@@ -266,7 +266,6 @@ def process_relative(
 ) -> MeasurementData: ...
 def align(measurement: MeasurementData) -> dict[str, float]: ...
 def correct_alignment(measurement: MeasurementData) -> MeasurementData: ...
-
 def hemisphere_weights(
     theta_s: ArrayLike, phi_s: ArrayLike, *, side: str
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
@@ -279,4 +278,61 @@ def hemisphere_integral(
     incidence: tuple[float, float] | None = None,
     u_dsf: ArrayLike | None = None,
     reach: float | None = None,
+) -> dict[str, float]: ...
+
+class Klems(Bsdf):
+    components: list[tuple[str, str]]
+    report: dict[str, Any]
+    material: dict[str, Any]
+    def matrix(self, *, side: str = "front", component: str = "reflection") -> NDArray[np.float32]: ...
+    def albedo(self, *, side: str = "front", component: str = "reflection") -> NDArray[np.float64]: ...
+
+class TensorTree(Bsdf):
+    components: list[tuple[str, str]]
+    report: dict[str, Any]
+    material: dict[str, Any]
+    rank: int
+    cells: int
+
+def read_radiance_xml(path: str | PathLike[str], *, channel: str = "photopic") -> Klems | TensorTree: ...
+def to_klems(
+    bsdf: Bsdf,
+    *,
+    basis: str = "full",
+    components: Sequence[tuple[str, str]] | None = None,
+    channel: str | None = None,
+    tolerance: float = 0.0001,
+    cap_albedo: bool = False,
+) -> Klems: ...
+def to_tensor_tree(
+    bsdf: Bsdf,
+    *,
+    rank: int | None = None,
+    components: Sequence[tuple[str, str]] | None = None,
+    channel: str | None = None,
+    max_depth: int | None = None,
+    target: float | None = None,
+    max_cells: int | None = None,
+) -> TensorTree: ...
+def write_radiance_xml(
+    path: str | PathLike[str],
+    bsdf: Klems | TensorTree,
+    *,
+    name: str = "",
+    manufacturer: str = "",
+    device_type: str = "Other",
+    thickness: float | None = None,
+    width: float | None = None,
+    height: float | None = None,
+    as_visible: bool = False,
+) -> None: ...
+def reduction_loss(
+    bsdf: Bsdf,
+    reduced: Bsdf,
+    *,
+    theta_i: float,
+    phi_i: float = 0.0,
+    component: str = "reflection",
+    channel: str | None = None,
+    grid: int = 200,
 ) -> dict[str, float]: ...

@@ -14,6 +14,7 @@ mod table;
 pub mod data_driven;
 pub mod error;
 pub mod leave_one_out;
+pub mod reduce;
 pub mod slice_surface;
 pub mod symmetry;
 pub mod warp;

@@ -17,7 +17,7 @@ pub(crate) struct Bsdf(pub(crate) Arc<dyn core::Bsdf>);
 
 impl Bsdf {
     /// Position of `channel`; without one the model must have a single channel.
-    fn channel_index(&self, channel: Option<&str>) -> PyResult<usize> {
+    pub(crate) fn channel_index(&self, channel: Option<&str>) -> PyResult<usize> {
         let names: Vec<String> = self.0.channels().iter().map(ToString::to_string).collect();
         match channel {
             None if names.len() == 1 => Ok(0),

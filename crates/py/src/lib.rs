@@ -7,6 +7,7 @@ mod errors;
 mod files;
 mod model;
 mod processing;
+mod radiance;
 mod scan;
 mod simulate;
 mod slice;
@@ -22,6 +23,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     files::register(m)?;
     processing::register(m)?;
     checking::register(m)?;
+    radiance::register(m)?;
     scan::register(m)?;
     slice::register(m)?;
     verdict::register(m)?;

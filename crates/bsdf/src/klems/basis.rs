@@ -194,6 +194,11 @@ impl KlemsBasis {
         &self.rings[self.ring_of[patch]]
     }
 
+    /// Index of the ring of patch `patch` (panics past the last patch).
+    pub fn ring_index(&self, patch: usize) -> usize {
+        self.ring_of[patch]
+    }
+
     /// Projected solid angle of each patch, sr; they sum to pi.
     pub fn lambda(&self) -> &[f64] {
         &self.lambda

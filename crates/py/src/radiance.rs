@@ -1,0 +1,419 @@
+//! Klems and tensor-tree models, their reduction from any model, and Radiance BSDF XML.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use gonio_bsdf::klems::{Klems as CoreKlems, KlemsBasis};
+use gonio_bsdf::tensor_tree::{Rank, TensorTree as CoreTree};
+use gonio_bsdf::{Channel, FourComponents};
+use gonio_build::reduce::{self, KlemsOptions, TreeOptions};
+use gonio_geom::{Component, Side};
+use gonio_io::radiance_xml::{self, Material, RadianceXml, Tabulated};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::bsdf::Bsdf;
+use crate::errors::{OrRaise, QuantityError, domain};
+
+/// A Klems model: matrices over pairs of patches. Attributes: `components` (list of (side, component) strings),
+/// `report` (what the reduction found) and `material` (what the file says), both dicts, empty where they do not apply.
+#[pyclass(frozen, extends = Bsdf, module = "gonio", name = "Klems")]
+pub(crate) struct Klems {
+    model: Arc<CoreKlems>,
+    report: Py<PyDict>,
+    material: Py<PyDict>,
+}
+
+/// A tensor-tree model. Attributes as those of `Klems`, and `rank`, 3 or 4.
+#[pyclass(frozen, extends = Bsdf, module = "gonio", name = "TensorTree")]
+pub(crate) struct TensorTree {
+    model: Arc<CoreTree>,
+    report: Py<PyDict>,
+    material: Py<PyDict>,
+}
+
+fn side_of(name: &str) -> PyResult<Side> {
+    match name {
+        "front" => Ok(Side::Front),
+        "back" => Ok(Side::Back),
+        other => Err(domain("side", format!("{other:?}"), "front, back")),
+    }
+}
+
+fn component_of(name: &str) -> PyResult<Component> {
+    match name {
+        "reflection" => Ok(Component::Reflection),
+        "transmission" => Ok(Component::Transmission),
+        other => Err(domain(
+            "component",
+            format!("{other:?}"),
+            "reflection, transmission",
+        )),
+    }
+}
+
+type Names = Vec<(String, String)>;
+
+fn names(keys: impl Iterator<Item = (Side, Component)>) -> Names {
+    keys.map(|(s, c)| (s.to_string(), c.to_string())).collect()
+}
+
+fn components(asked: Option<Names>) -> PyResult<Option<Vec<(Side, Component)>>> {
+    asked
+        .map(|list| {
+            list.iter()
+                .map(|(s, c)| Ok((side_of(s)?, component_of(c)?)))
+                .collect()
+        })
+        .transpose()
+}
+
+#[pymethods]
+impl Klems {
+    /// The components that are there: list of (side of incidence, component).
+    #[getter]
+    fn components(&self) -> Names {
+        names(self.model.matrices().iter().map(|(s, c, _)| (s, c)))
+    }
+
+    /// max_albedo, capped (list of (side, incident patch, albedo before)), evaluations, unsettled; empty for a file.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> Py<PyDict> {
+        self.report.clone_ref(py)
+    }
+
+    /// name, manufacturer, device_type, thickness, width, height (metres or None); empty for a reduced model.
+    #[getter]
+    fn material(&self, py: Python<'_>) -> Py<PyDict> {
+        self.material.clone_ref(py)
+    }
+
+    /// The matrix of one component in 1/sr, shape (exit patches, incident patches), float32.
+    #[pyo3(signature = (*, side="front", component="reflection"))]
+    fn matrix<'py>(
+        &self,
+        py: Python<'py>,
+        side: &str,
+        component: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let (s, c) = (side_of(side)?, component_of(component)?);
+        let m = self
+            .model
+            .matrix(s, c)
+            .ok_or_else(|| QuantityError::new_err(format!("component: found no {side} {component}")))?;
+        PyArray1::from_slice(py, m.values()).reshape([m.exit().len(), m.incident().len()])
+    }
+
+    /// Directional albedo of each incident patch of one component.
+    #[pyo3(signature = (*, side="front", component="reflection"))]
+    fn albedo<'py>(
+        &self,
+        py: Python<'py>,
+        side: &str,
+        component: &str,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (s, c) = (side_of(side)?, component_of(component)?);
+        let m = self
+            .model
+            .matrix(s, c)
+            .ok_or_else(|| QuantityError::new_err(format!("component: found no {side} {component}")))?;
+        let values = (0..m.incident().len()).map(|i| m.albedo(i)).collect();
+        Ok(PyArray1::from_vec(py, values))
+    }
+}
+
+#[pymethods]
+impl TensorTree {
+    /// The components that are there: list of (side of incidence, component).
+    #[getter]
+    fn components(&self) -> Names {
+        names(self.model.trees().iter().map(|(s, c, _)| (s, c)))
+    }
+
+    /// max_albedo, error (dict (side, component) -> relative L1), evaluations; empty for a file.
+    #[getter]
+    fn report(&self, py: Python<'_>) -> Py<PyDict> {
+        self.report.clone_ref(py)
+    }
+
+    /// As `Klems.material`.
+    #[getter]
+    fn material(&self, py: Python<'_>) -> Py<PyDict> {
+        self.material.clone_ref(py)
+    }
+
+    /// 3 or 4.
+    #[getter]
+    fn rank(&self) -> usize {
+        self.model
+            .trees()
+            .iter()
+            .next()
+            .map_or(0, |(_, _, t)| t.rank().dimensions())
+    }
+
+    /// Number of cells of all components.
+    #[getter]
+    fn cells(&self) -> usize {
+        self.model.trees().iter().map(|(_, _, t)| t.len()).sum()
+    }
+}
+
+fn material_dict(py: Python<'_>, m: &Material) -> PyResult<Py<PyDict>> {
+    let d = PyDict::new(py);
+    d.set_item("name", &m.name)?;
+    d.set_item("manufacturer", &m.manufacturer)?;
+    d.set_item("device_type", &m.device_type)?;
+    d.set_item("thickness", m.thickness)?;
+    d.set_item("width", m.width)?;
+    d.set_item("height", m.height)?;
+    Ok(d.unbind())
+}
+
+fn wrap(py: Python<'_>, model: Tabulated, report: Py<PyDict>, material: Py<PyDict>) -> PyResult<Py<PyAny>> {
+    match model {
+        Tabulated::Klems(k) => {
+            let model = Arc::new(k);
+            let base = PyClassInitializer::from(Bsdf(model.clone()));
+            let sub = Klems {
+                model,
+                report,
+                material,
+            };
+            Ok(Py::new(py, base.add_subclass(sub))?.into_any())
+        }
+        Tabulated::TensorTree(t) => {
+            let model = Arc::new(t);
+            let base = PyClassInitializer::from(Bsdf(model.clone()));
+            let sub = TensorTree {
+                model,
+                report,
+                material,
+            };
+            Ok(Py::new(py, base.add_subclass(sub))?.into_any())
+        }
+    }
+}
+
+/// Read one channel of a Radiance or WINDOW BSDF XML file as a `Klems` or `TensorTree`.
+///
+/// `channel`: "photopic" is the file's Visible, "solar" its Solar, "550nm" a wavelength. Raises FormatError naming line
+/// and field; OSError and its kin for what the operating system refuses.
+#[pyfunction]
+#[pyo3(signature = (path, *, channel="photopic"))]
+fn read_radiance_xml(py: Python<'_>, path: PathBuf, channel: &str) -> PyResult<Py<PyAny>> {
+    let channel: Channel = channel.parse().or_raise()?;
+    let xml = py.detach(|| radiance_xml::read(&path, channel)).or_raise()?;
+    let material = material_dict(py, &xml.material)?;
+    wrap(py, xml.model, PyDict::new(py).unbind(), material)
+}
+
+/// Reduce a model to Klems matrices by averaging over pairs of patches.
+///
+/// `basis`: "full", "half" or "quarter". `components`: list of (side, component), or None for all that scatter.
+/// `tolerance`: mean deviation inside a cell, as a share of the albedo, above which it is halved. `cap_albedo`: scale incident patches above albedo 1
+/// back to 1; `report["capped"]` lists them. Raises DomainError.
+#[pyfunction]
+#[pyo3(signature = (bsdf, *, basis="full", components=None, channel=None, tolerance=0.0001, cap_albedo=false))]
+fn to_klems(
+    py: Python<'_>,
+    bsdf: &Bsdf,
+    basis: &str,
+    components: Option<Names>,
+    channel: Option<&str>,
+    tolerance: f64,
+    cap_albedo: bool,
+) -> PyResult<Py<PyAny>> {
+    let options = KlemsOptions {
+        basis: KlemsBasis::by_name(basis).or_raise()?,
+        components: self::components(components)?,
+        channel: bsdf.channel_index(channel)?,
+        tolerance,
+        cap_albedo,
+        ..KlemsOptions::default()
+    };
+    let model = bsdf.0.clone();
+    let r = py.detach(|| reduce::to_klems(&*model, &options)).or_raise()?;
+    let report = PyDict::new(py);
+    report.set_item("max_albedo", r.max_albedo)?;
+    let capped: Vec<_> = r.capped.iter().map(|(s, i, a)| (s.to_string(), *i, *a)).collect();
+    report.set_item("capped", capped)?;
+    report.set_item("evaluations", r.evaluations)?;
+    report.set_item("unsettled", r.unsettled)?;
+    wrap(
+        py,
+        Tabulated::Klems(r.model),
+        report.unbind(),
+        PyDict::new(py).unbind(),
+    )
+}
+
+/// Reduce a model to tensor trees, halving cells where the model varies most.
+///
+/// `rank`: 3 (isotropic), 4, or None for what the model needs. Refinement stops at the relative L1 error `target`, at
+/// `max_cells` cells a component or at cells of side 2**-max_depth. Raises DomainError.
+#[pyfunction]
+#[pyo3(signature = (bsdf, *, rank=None, components=None, channel=None, max_depth=None, target=None, max_cells=None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+fn to_tensor_tree(
+    py: Python<'_>,
+    bsdf: &Bsdf,
+    rank: Option<u8>,
+    components: Option<Names>,
+    channel: Option<&str>,
+    max_depth: Option<u8>,
+    target: Option<f64>,
+    max_cells: Option<usize>,
+) -> PyResult<Py<PyAny>> {
+    let rank = match rank {
+        None => None,
+        Some(3) => Some(Rank::Three),
+        Some(4) => Some(Rank::Four),
+        Some(other) => return Err(domain("rank", other, "3, 4")),
+    };
+    let default = TreeOptions::default();
+    let options = TreeOptions {
+        rank,
+        components: self::components(components)?,
+        channel: bsdf.channel_index(channel)?,
+        max_depth: max_depth.unwrap_or(default.max_depth),
+        target: target.unwrap_or(default.target),
+        max_cells: max_cells.unwrap_or(default.max_cells),
+    };
+    let model = bsdf.0.clone();
+    let r = py
+        .detach(|| reduce::to_tensor_tree(&*model, &options))
+        .or_raise()?;
+    let report = PyDict::new(py);
+    report.set_item("max_albedo", r.max_albedo)?;
+    let error = PyDict::new(py);
+    for (s, c, e) in r.error.iter() {
+        error.set_item((s.to_string(), c.to_string()), e)?;
+    }
+    report.set_item("error", error)?;
+    report.set_item("evaluations", r.evaluations)?;
+    wrap(
+        py,
+        Tabulated::TensorTree(r.model),
+        report.unbind(),
+        PyDict::new(py).unbind(),
+    )
+}
+
+/// Write a `Klems` or `TensorTree` as Radiance BSDF XML; the file appears whole or not at all.
+///
+/// Lengths in metres. `as_visible` labels the data Visible whatever its channel: Radiance renders nothing else.
+/// Raises FormatError when the format has no word for the model's channel, DomainError for another kind of model.
+#[pyfunction]
+#[pyo3(signature = (path, bsdf, *, name="", manufacturer="", device_type="Other", thickness=None, width=None,
+                    height=None, as_visible=false))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+fn write_radiance_xml(
+    py: Python<'_>,
+    path: PathBuf,
+    bsdf: &Bound<'_, PyAny>,
+    name: &str,
+    manufacturer: &str,
+    device_type: &str,
+    thickness: Option<f64>,
+    width: Option<f64>,
+    height: Option<f64>,
+    as_visible: bool,
+) -> PyResult<()> {
+    let lengths = [("thickness", thickness), ("width", width), ("height", height)];
+    for (field, length) in lengths {
+        if let Some(bad) = length.filter(|l| !(l.is_finite() && *l >= 0.0)) {
+            return Err(domain(field, bad, "0 or more metres"));
+        }
+    }
+    for (field, text) in [
+        ("name", name),
+        ("manufacturer", manufacturer),
+        ("device_type", device_type),
+    ] {
+        if text.chars().any(|c| c.is_control()) {
+            return Err(domain(
+                field,
+                format!("{text:?}"),
+                "text without control characters",
+            ));
+        }
+    }
+    let relabel = |own: Channel| if as_visible { Channel::Photopic } else { own };
+    let model = if let Ok(k) = bsdf.cast::<Klems>() {
+        let k = &k.get().model;
+        let channel = relabel(gonio_bsdf::Bsdf::channels(&**k)[0]);
+        Tabulated::Klems(CoreKlems::new(channel, copy(k.matrices())))
+    } else if let Ok(t) = bsdf.cast::<TensorTree>() {
+        let t = &t.get().model;
+        let channel = relabel(gonio_bsdf::Bsdf::channels(&**t)[0]);
+        Tabulated::TensorTree(CoreTree::new(channel, copy(t.trees())))
+    } else {
+        return Err(domain(
+            "bsdf",
+            bsdf.get_type(),
+            "a Klems or TensorTree (see to_klems, to_tensor_tree)",
+        ));
+    };
+    let xml = RadianceXml {
+        material: Material {
+            name: name.into(),
+            manufacturer: manufacturer.into(),
+            device_type: device_type.into(),
+            thickness,
+            width,
+            height,
+        },
+        model,
+    };
+    py.detach(|| radiance_xml::write(&path, &xml)).or_raise()
+}
+
+fn copy<T: Clone>(four: &FourComponents<T>) -> FourComponents<T> {
+    four.map(|_, _, v| v.clone())
+}
+
+/// What `reduced` loses of `bsdf` at one incidence (degrees): dict of rel_l1, rel_rms, albedo_model, albedo_reduced,
+/// peak_ratio on a grid of `grid` x `grid` directions of equal projected solid angle. Raises DomainError.
+#[pyfunction]
+#[pyo3(signature = (bsdf, reduced, *, theta_i, phi_i=0.0, component="reflection", channel=None, grid=200))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+fn reduction_loss<'py>(
+    py: Python<'py>,
+    bsdf: &Bsdf,
+    reduced: &Bsdf,
+    theta_i: f64,
+    phi_i: f64,
+    component: &str,
+    channel: Option<&str>,
+    grid: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let wi = crate::arrays::angles(["theta_i", "phi_i"], theta_i, phi_i)?.direction();
+    if grid > 10_000 {
+        return Err(domain("grid", grid, "2 to 10000"));
+    }
+    let component = component_of(component)?;
+    let index = bsdf.channel_index(channel)?;
+    let (a, b) = (bsdf.0.clone(), reduced.0.clone());
+    let l = py
+        .detach(|| reduce::loss(&*a, index, &*b, wi, component, grid))
+        .or_raise()?;
+    let d = PyDict::new(py);
+    d.set_item("rel_l1", l.rel_l1)?;
+    d.set_item("rel_rms", l.rel_rms)?;
+    d.set_item("albedo_model", l.albedo_model)?;
+    d.set_item("albedo_reduced", l.albedo_reduced)?;
+    d.set_item("peak_ratio", l.peak_ratio)?;
+    Ok(d)
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<Klems>()?;
+    m.add_class::<TensorTree>()?;
+    m.add_function(wrap_pyfunction!(read_radiance_xml, m)?)?;
+    m.add_function(wrap_pyfunction!(to_klems, m)?)?;
+    m.add_function(wrap_pyfunction!(to_tensor_tree, m)?)?;
+    m.add_function(wrap_pyfunction!(write_radiance_xml, m)?)?;
+    m.add_function(wrap_pyfunction!(reduction_loss, m)?)
+}

@@ -1,0 +1,140 @@
+"""The XML gonio reads and writes means to RADIANCE what it means to gonio."""
+
+import numpy as np
+import pytest
+from gonio import _native
+
+# RADIANCE perturbs what it looks up on purpose: matrices by 3e-4, trees by 2e-4
+PERTURBATION = 5e-4
+
+LAMBERT = {"model": "lambert", "component": "reflection", "albedo": 0.3}
+MODELS = {
+    "isotropic": [LAMBERT, {"model": "ward_gmd", "rho": 0.2, "alpha_x": 0.15, "alpha_y": 0.15, "phi_x": 0.0}],
+    "anisotropic": [
+        LAMBERT,
+        {"model": "ward_gmd", "rho": 0.25, "alpha_x": 0.1, "alpha_y": 0.3, "phi_x": 20.0},
+    ],
+    "transmitting": [
+        {"model": "lambert", "component": "reflection", "albedo": 0.3},
+        {"model": "transmission_lobe", "tau": 0.4, "alpha": 0.2},
+    ],
+}
+FILES = [
+    "lbnl-wincalc/2011-SA1.XML",
+    "lbnl-afc-shades/e-screen-5pct-white.xml",
+    "nist-ptfe-mountain/oracle_radiance_ptfe532_klems.xml",
+    "nist-ptfe-mountain/oracle_radiance_ptfe532_t3.xml",
+]
+
+
+def pairs(n, seed):
+    """n pairs of directions uniform in projected solid angle on both sides, degrees."""
+    rng = np.random.default_rng(seed)
+    theta = np.degrees(np.arcsin(np.sqrt(rng.random((2, n)))))
+    theta = np.where(rng.random((2, n)) < 0.5, theta, 180 - theta)
+    phi = rng.uniform(0, 360, (2, n))
+    return theta[0], phi[0], theta[1], phi[1]
+
+
+def differences(radiance, path, model, seed=1, n=4000):
+    """Relative differences from RADIANCE over random pairs of both sides, and our values."""
+    handle = radiance.load(path)
+    ti, pi, ts, ps = pairs(n, seed)
+    ours = model.eval(theta_i=ti, phi_i=pi, theta_s=ts, phi_s=ps)
+    theirs = np.array([radiance.query(handle, *row) for row in zip(ti, pi, ts, ps, strict=True)])
+    assert np.all((ours > 0) == (theirs > 0)), "one scatters where the other does not"
+    lit = ours > 0
+    return np.abs(ours[lit] / theirs[lit] - 1), ours[lit]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_real_files_mean_the_same(radiance, shared, file):
+    path = shared / file
+    if not path.exists():
+        pytest.skip(f"{file} is not on this machine")
+    error, values = differences(radiance, path, _native.read_radiance_xml(path))
+    assert len(values) > 500
+    # directions within rounding of the edge of a cell may fall on either side of it
+    assert np.quantile(error, 0.998) < PERTURBATION
+
+
+@pytest.mark.parametrize("basis", ["full", "half", "quarter"])
+@pytest.mark.parametrize("name", MODELS)
+def test_written_matrices_mean_the_same(radiance, tmp_path, basis, name):
+    model = _native.to_klems(_native.analytic(MODELS[name]), basis=basis)
+    path = tmp_path / "a.xml"
+    _native.write_radiance_xml(path, model, name=name)
+    error, _ = differences(radiance, path, model)
+    assert np.quantile(error, 0.998) < PERTURBATION
+
+
+@pytest.mark.parametrize("rank", [3, 4])
+@pytest.mark.parametrize("name", MODELS)
+def test_written_trees_mean_the_same(radiance, tmp_path, rank, name):
+    if (name, rank) == ("anisotropic", 3):
+        with pytest.raises(_native.DomainError, match="rank"):
+            _native.to_tensor_tree(_native.analytic(MODELS[name]), rank=3)
+        return
+    model = _native.to_tensor_tree(_native.analytic(MODELS[name]), rank=rank, max_cells=20_000)
+    path = tmp_path / "a.xml"
+    _native.write_radiance_xml(path, model, name=name)
+    error, _ = differences(radiance, path, model)
+    assert np.quantile(error, 0.998) < PERTURBATION
+
+
+def test_one_component_leaves_the_others_dark(radiance, tmp_path):
+    model = _native.to_klems(_native.analytic(MODELS["isotropic"]), components=[("back", "reflection")])
+    path = tmp_path / "a.xml"
+    _native.write_radiance_xml(path, model)
+    handle = radiance.load(path)
+    assert radiance.query(handle, 150, 0, 140, 90) == pytest.approx(0.3 / np.pi, rel=0.02)
+    assert radiance.query(handle, 30, 0, 40, 90) == 0
+
+
+@pytest.mark.parametrize("kind", ["klems", "tree"])
+def test_rtrace_renders_the_model(radiance, tmp_path, kind):
+    source = _native.analytic(MODELS["isotropic"])
+    model = _native.to_klems(source) if kind == "klems" else _native.to_tensor_tree(source)
+    _native.write_radiance_xml(tmp_path / "a.xml", model)
+    theta_i, size, radiance_of_source = 40.0, 0.5, 1e6
+    s, c = np.sin(np.radians(theta_i)), np.cos(np.radians(theta_i))
+    (tmp_path / "a.rad").write_text(
+        f"void light sun 0 0 3 {radiance_of_source} {radiance_of_source} {radiance_of_source}\n"
+        f"sun source s 0 0 4 {s} 0 {c} {size}\n"
+        "void BSDF m 6 0 a.xml 0 1 0 . 0 0\n"
+        "m polygon p 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n"
+    )
+    octree = radiance.run("oconv", "a.rad", cwd=tmp_path)
+    (tmp_path / "a.oct").write_bytes(octree)
+    solid_angle = 2 * np.pi * (1 - np.cos(np.radians(size / 2)))
+    irradiance = radiance_of_source * solid_angle * c
+    # centres of Klems patches: RADIANCE jitters both directions over about a patch or cell
+    views = [(20, 157.5), (60, 195), (40, 180), (30, 0), (70, 90)]
+    rays, least, most = [], [], []
+    jitter = np.linspace(-1, 1, 9) * (8.0 if kind == "klems" else 1.0)
+    for theta, phi in views:
+        s, c = np.sin(np.radians(theta)), np.cos(np.radians(theta))
+        d = np.array([s * np.cos(np.radians(phi)), s * np.sin(np.radians(phi)), c])
+        rays.append(" ".join(map(str, np.concatenate([d, -d]))))
+        # RADIANCE looks up with the eye as the incidence and jitters directions over about a patch or cell
+        f = model.eval(theta_i=theta + jitter[:, None], phi_i=phi + jitter, theta_s=theta_i, phi_s=0.0)
+        least.append(f.min() * irradiance)
+        most.append(f.max() * irradiance)
+    out = radiance.run(
+        "rtrace",
+        "-h",
+        "-ab",
+        "0",
+        "-dj",
+        "0",
+        "-ss",
+        "64",
+        "a.oct",
+        cwd=tmp_path,
+        stdin="\n".join(rays).encode(),
+    )
+    got = np.array([[float(v) for v in line.split()] for line in out.decode().splitlines()])[:, 1]
+    assert np.all(got >= 0.99 * np.array(least))
+    assert np.all(got <= 1.01 * np.array(most))
+    # far from the lobe jitter changes nothing
+    np.testing.assert_allclose(got[3:], np.array(least)[3:], rtol=0.01)
