@@ -1,8 +1,8 @@
 # Bare `make` lists the targets. Needs Python >= 3.11, a Rust toolchain and make; everything else is set up here.
 PYTHON ?= python3
 export UV_PYTHON_DOWNLOADS = never
-# uv is used when it is on the PATH and bootstrapped through pip into .venv-uv otherwise.
-UV := $(shell command -v uv 2>/dev/null || echo .venv-uv/bin/uv)
+# uv is used when it runs, and bootstrapped through pip into .venv-uv otherwise.
+UV := $(shell uv --version >/dev/null 2>&1 && echo uv || echo .venv-uv/bin/uv)
 RUN := $(UV) run --no-sync
 
 .PHONY: help setup demo test check fmt bench validate clean
