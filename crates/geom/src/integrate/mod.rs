@@ -188,8 +188,8 @@ fn rule_uncertainty(by_order: [f64; 3]) -> f64 {
 
 /// Shares of the steps between the rules of order 1 and 2, and 0 and 1, in the uncertainty of order 2. Chosen on the
 /// benchmark of docs/validation/weights.md so that twice the uncertainty covers at least 95 % of its cases.
-const SECOND_STEP: f64 = 0.5;
-const FIRST_STEP: f64 = 0.1;
+const SECOND_STEP: f64 = 0.75;
+const FIRST_STEP: f64 = 0.15;
 
 fn check_length(field: &'static str, found: Option<usize>, expected: usize) -> Result<(), IntegralError> {
     match found {
