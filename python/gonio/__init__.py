@@ -18,6 +18,7 @@ from gonio._native import (
 from gonio.building import build
 from gonio.checking import check
 from gonio.demonstrating import DemoResult, demo
+from gonio.exporting import Export, export, read_radiance
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
 from gonio.processing import process
@@ -31,6 +32,7 @@ __all__ = [
     "DataDriven",
     "DemoResult",
     "DomainError",
+    "Export",
     "FitError",
     "FormatError",
     "GonioError",
@@ -45,9 +47,11 @@ __all__ = [
     "build",
     "check",
     "demo",
+    "export",
     "inspect",
     "process",
     "read",
+    "read_radiance",
     "report",
     "simulate",
 ]

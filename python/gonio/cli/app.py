@@ -10,6 +10,7 @@ import gonio
 from gonio.cli.build import build
 from gonio.cli.check import check
 from gonio.cli.demo import demo
+from gonio.cli.export import export
 from gonio.cli.inspect import inspect
 from gonio.cli.process import process
 from gonio.cli.report import report
@@ -40,7 +41,7 @@ def _root(
     pass
 
 
-for function in (inspect, process, check, build, report, simulate, demo):
+for function in (inspect, process, check, build, export, report, simulate, demo):
     verb(app, function)
 
 

@@ -1,0 +1,85 @@
+"""`gonio export`: files for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gonio
+from gonio.cli.build import Channel, Symmetry
+from gonio.cli.running import Force, Json, out, print_json, progress_bar, warn
+
+
+def export(
+    measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
+    to: Annotated[
+        str, typer.Option("--to", help="radiance-klems, radiance-ttree, csv, parquet, netcdf or mountain.")
+    ],
+    target: Annotated[Path, typer.Option("-o", "--out", help="File; a directory for mountain.")],
+    channel: Channel = None,
+    symmetry: Symmetry = "auto",
+    component: Annotated[
+        list[str] | None,
+        typer.Option(metavar="SIDE-COMPONENT", help="Such as front-reflection; repeat it; all that scatter."),
+    ] = None,
+    basis: Annotated[str, typer.Option(help="Klems patches: full, half or quarter.")] = "full",
+    cap_albedo: Annotated[
+        bool, typer.Option("--cap-albedo", help="Scale Klems patches of albedo above 1 to 1.")
+    ] = False,
+    rank: Annotated[int | None, typer.Option(help="Tensor tree: 3 or 4; what the model needs.")] = None,
+    max_depth: Annotated[int | None, typer.Option(help="Tensor tree: cells of side 2**-depth.")] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Tensor tree: relative L1 error to stop at.")
+    ] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the material; the sample's.")] = None,
+    manufacturer: Annotated[str, typer.Option(help="Its manufacturer.")] = "",
+    thickness: Annotated[float | None, typer.Option(help="Its thickness, metres.")] = None,
+    as_visible: Annotated[
+        bool, typer.Option("--as-visible", help="Label a single wavelength Visible for Radiance.")
+    ] = False,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write a measurement, or the model built from it, in the format of another program."""
+    with progress_bar(hidden=json) as progress:
+        written = gonio.export(
+            measurement,
+            to=to,
+            out=target,
+            channel=channel,
+            symmetry=symmetry,
+            components=[_component(text) for text in component] if component else None,
+            basis=basis,
+            cap_albedo=cap_albedo,
+            rank=rank,
+            max_depth=max_depth,
+            target=tolerance,
+            name=name,
+            manufacturer=manufacturer,
+            thickness=thickness,
+            as_visible=as_visible,
+            force=force,
+            progress=progress,
+        )
+    warn(written.warnings)
+    if json:
+        report = {_text(key): value for key, value in written.report.items()}
+        print_json({"to": written.to, "out": written.out, "report": report, "warnings": written.warnings})
+        return
+    out.print(f"{written.out}")
+    albedo = written.report.get("max_albedo")
+    if albedo is not None:
+        out.print(f"  largest directional albedo {albedo:.4f}")
+
+
+def _component(text: str) -> tuple[str, str]:
+    side, separator, component = text.partition("-")
+    if not separator:
+        raise typer.BadParameter(f"found {text!r}, allowed SIDE-COMPONENT", param_hint="--component")
+    return side, component
+
+
+def _text(key: object) -> str:
+    return "-".join(map(str, key)) if isinstance(key, tuple) else str(key)

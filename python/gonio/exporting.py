@@ -1,0 +1,248 @@
+"""From a measurement or a model to the files of other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet as pq
+
+from gonio import _native
+from gonio._native import Bsdf, DomainError, QuantityError, Scan, Slice
+from gonio.building import build
+from gonio.checking import MeasurementOrPath, loaded
+from gonio.files import check_directory, replacing_directory, replacing_file
+from gonio.measurement import Measurement
+from gonio.readings import PathLike
+from gonio.working import Progress, interruptible, silent
+
+MODEL_FORMATS = ("radiance-klems", "radiance-ttree")
+TABLE_FORMATS = ("csv", "parquet", "netcdf")
+FORMATS = (*MODEL_FORMATS, *TABLE_FORMATS, "mountain")
+
+MOUNTAIN_INDEX = "index.csv"
+"""Names the incidence and channel of each file of a Mountain export; marks the directory as one."""
+
+Component = tuple[str, str]
+"""Side of incidence (front, back) and component (reflection, transmission)."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """What was written where, and what the reduction of the model found (empty for tables)."""
+
+    to: str
+    out: Path
+    report: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+
+def export(
+    source: MeasurementOrPath | Bsdf,
+    *,
+    to: str,
+    out: PathLike,
+    channel: str | None = None,
+    symmetry: str = "auto",
+    components: Sequence[Component] | None = None,
+    basis: str = "full",
+    cap_albedo: bool = False,
+    rank: int | None = None,
+    max_depth: int | None = None,
+    target: float | None = None,
+    name: str | None = None,
+    manufacturer: str = "",
+    thickness: float | None = None,
+    as_visible: bool = False,
+    force: bool = False,
+    progress: Progress = silent,
+) -> Export:
+    """Write a measurement or a model in the format of another program, whole or not at all.
+
+    Parameters
+    ----------
+    source
+        A measurement, the directory of a saved one, or (for the Radiance formats) any model.
+    to
+        radiance-klems and radiance-ttree (BSDF XML; of a measurement the data-driven model), csv, parquet and
+        netcdf (the columns of docs/data-model.md), mountain (a directory with one text file a slice).
+    out
+        The file, or the directory for mountain.
+    channel
+        The channel; needed for the Radiance formats where there are several, takes one out for the others.
+    symmetry
+        Symmetry of the data-driven model, as in `gonio.build`.
+    components
+        Side of incidence and component of what a Radiance file holds, for example ("front", "reflection");
+        None takes all that scatter.
+    basis
+        Patches of radiance-klems: full, half or quarter.
+    cap_albedo
+        Scale patches of radiance-klems with an albedo above 1 back to 1; the report names them.
+    rank
+        Rank of radiance-ttree: 3 (isotropic), 4, or None for what the model needs.
+    max_depth
+        Finest cells of radiance-ttree: 2**-max_depth of the square's side.
+    target
+        Relative L1 error at which the refinement of radiance-ttree stops.
+    name, manufacturer, thickness
+        Metadata of a Radiance file, thickness in metres; the name is the sample's unless given.
+    as_visible
+        Label the data of a Radiance file Visible whatever their channel: Radiance renders nothing else.
+    force
+        Write a mountain directory over other files.
+    progress
+        Called with stage, parts done and parts in all.
+
+    Raises
+    ------
+    DomainError
+        An option outside its choices.
+    QuantityError
+        A channel that is not there or not named among several; a table of a model.
+    FitError
+        A measurement that no model can be built from.
+    FormatError
+        A saved measurement is damaged, or the format has no word for the channel.
+    OSError
+        The operating system refuses; nothing is left behind.
+    """
+    if to not in FORMATS:
+        raise DomainError(f"to: found {to!r}, allowed {', '.join(FORMATS)}")
+    target_path = Path(out)
+    if to in MODEL_FORMATS:
+        sample = None if isinstance(source, Bsdf) else loaded(source)
+        model = _model(source, sample, channel=channel, symmetry=symmetry, progress=progress)
+        shared: dict[str, Any] = {"components": components, "channel": channel}
+        progress("reducing", 0, 1)
+        reduced: _native.Klems | _native.TensorTree
+        if to == "radiance-klems":
+            reduced = interruptible(
+                lambda: _native.to_klems(model, basis=basis, cap_albedo=cap_albedo, **shared)
+            )
+        else:
+            reduced = interruptible(
+                lambda: _native.to_tensor_tree(model, rank=rank, max_depth=max_depth, target=target, **shared)
+            )
+        progress("reducing", 1, 1)
+        title = name if name is not None else (sample.sample_name if sample else None) or ""
+        _native.write_radiance_xml(
+            target_path,
+            reduced,
+            name=title,
+            manufacturer=manufacturer,
+            thickness=thickness,
+            as_visible=as_visible,
+        )
+        notes = model.warnings if isinstance(model, _native.DataDriven) else []
+        return Export(to=to, out=target_path, report=dict(reduced.report), warnings=notes)
+    if isinstance(source, Bsdf):
+        raise QuantityError(f"source: found a model, needed a measurement to write {to}")
+    measurement = _of_channel(loaded(source), channel)
+    progress("writing", 0, 1)
+    if to == "mountain":
+        _write_mountain(measurement, target_path, force=force)
+    else:
+        _TABLES[to](measurement, target_path)
+    progress("writing", 1, 1)
+    return Export(to=to, out=target_path)
+
+
+def read_radiance(path: PathLike, *, channel: str = "photopic") -> Bsdf:
+    """Read one channel of a Radiance or WINDOW BSDF XML file as a model.
+
+    Parameters
+    ----------
+    path
+        The XML file: Klems matrices (full, half, quarter) or a tensor tree of rank 3 or 4.
+    channel
+        photopic is the file's Visible, solar its Solar, 550nm a wavelength.
+
+    Raises
+    ------
+    FormatError
+        The file does not follow the format, or has no such channel.
+    OSError
+        The operating system refuses.
+    """
+    return interruptible(lambda: _native.read_radiance_xml(path, channel=channel))
+
+
+def _model(
+    source: MeasurementOrPath | Bsdf,
+    sample: Measurement | None,
+    *,
+    channel: str | None,
+    symmetry: str,
+    progress: Progress,
+) -> Bsdf:
+    if isinstance(source, Bsdf):
+        return source
+    return build(sample or source, channel=channel, symmetry=symmetry, progress=progress)
+
+
+def _of_channel(measurement: Measurement, channel: str | None) -> Measurement:
+    """The slices of one channel with everything else of the measurement."""
+    if channel is None:
+        return measurement
+    slices = [s for s in measurement.slices if s.channel == channel]
+    if not slices:
+        raise QuantityError(f"channel: found {channel}, needed one of {', '.join(measurement.channels)}")
+    return Measurement(
+        slices,
+        sample_name=measurement.sample_name,
+        signature_fwhm=measurement.signature_fwhm,
+        warnings=measurement.warnings,
+        provenance=measurement.provenance,
+        findings=measurement.findings,
+    )
+
+
+def _write_csv(measurement: Measurement, path: Path) -> None:
+    table = measurement.to_table()
+    column = table.schema.get_field_index("channel")
+    table = table.set_column(column, "channel", table["channel"].cast(pa.string()))
+    with replacing_file(path) as staged:
+        pyarrow.csv.write_csv(table, staged)
+
+
+def _write_parquet(measurement: Measurement, path: Path) -> None:
+    with replacing_file(path) as staged:
+        pq.write_table(measurement.to_table(), staged, compression="zstd")
+
+
+_TABLES: dict[str, Callable[[Measurement, Path], None]] = {
+    "csv": _write_csv,
+    "parquet": _write_parquet,
+    "netcdf": lambda measurement, path: measurement.to_netcdf(path),
+}
+
+
+def _write_mountain(measurement: Measurement, path: Path, *, force: bool) -> None:
+    check_directory(path, marker=MOUNTAIN_INDEX, force=force)
+    with replacing_directory(path, marker=MOUNTAIN_INDEX, owned=("slice_*.txt",), force=force) as staged:
+        rows = ["file,channel,theta_i,phi_i"]
+        for k, s in enumerate(measurement.slices):
+            file = f"slice_{k:03d}_{s.channel}_theta{s.theta_i:05.1f}_phi{s.phi_i:05.1f}.txt"
+            _native.write_mountain(staged / file, _scan(s, measurement.sample_name))
+            rows.append(f"{file},{s.channel},{s.theta_i!r},{s.phi_i!r}")
+        (staged / MOUNTAIN_INDEX).write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def _scan(s: Slice, sample_name: str | None) -> Scan:
+    """The usable readings of a slice as a scan of DSF values."""
+    usable = (s.flags & _native.UNUSABLE) == 0
+    return Scan(
+        quantity="dsf",
+        channel=s.channel,
+        theta_i=s.theta_i,
+        phi_i=s.phi_i,
+        theta_s=s.theta_s[usable],
+        phi_s=s.phi_s[usable],
+        value=s.dsf[usable],
+        meta={"sample_name": sample_name} if sample_name else None,
+    )

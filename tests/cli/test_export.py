@@ -1,0 +1,86 @@
+import json
+
+import gonio
+import numpy as np
+import pyarrow.csv
+import pyarrow.parquet as pq
+import pytest
+
+from tests.cli.conftest import listing, one_clear_error
+from tests.cli.test_build import lambertian
+
+
+@pytest.fixture
+def measured(tmp_path):
+    gonio.process([lambertian(t) for t in (0, 20, 40, 60, 80)], out=tmp_path / "m")
+    return tmp_path / "m"
+
+
+@pytest.mark.parametrize("to", ["radiance-klems", "radiance-ttree"])
+def test_a_radiance_file_holds_the_constant_it_was_made_from(run, measured, tmp_path, to):
+    done = run("export", measured, "--to", to, "-o", "out.xml", "--json")
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    assert found["report"]["max_albedo"] == pytest.approx(0.5, rel=2e-3)
+    model = gonio.read_radiance(tmp_path / "out.xml")
+    f = model.eval(theta_i=[10.0, 50.0], phi_i=0.0, theta_s=30.0, phi_s=[120.0, 200.0])
+    np.testing.assert_allclose(f, 0.5 / np.pi, rtol=2e-3)
+    assert listing(tmp_path) == ["m", "out.xml"]
+
+
+def test_a_single_wavelength_is_rendered_only_as_visible(run, tmp_path):
+    gonio.process([lambertian(t, channel="532nm") for t in (10, 50)], out=tmp_path / "green")
+    options = ["--to", "radiance-klems", "--basis", "quarter", "-o", "out.xml"]
+    assert run("export", tmp_path / "green", *options, "--as-visible").code == 0
+    model = gonio.read_radiance(tmp_path / "out.xml")
+    assert model.channels == ["photopic"]
+
+
+def test_tables_hold_every_reading(run, measured, tmp_path):
+    table = gonio.Measurement.load(measured).to_table()
+    assert run("export", measured, "--to", "csv", "-o", "m.csv").code == 0
+    assert run("export", measured, "--to", "parquet", "-o", "m.parquet").code == 0
+    assert run("export", measured, "--to", "netcdf", "-o", "m.nc").code == 0
+    csv = pyarrow.csv.read_csv(tmp_path / "m.csv")
+    assert csv.column_names == table.column_names
+    np.testing.assert_array_equal(csv["dsf"], table["dsf"])
+    assert pq.read_table(tmp_path / "m.parquet").equals(table)
+
+
+def test_mountain_text_reads_back_as_the_dsf_of_each_slice(run, measured, tmp_path):
+    assert run("export", measured, "--to", "mountain", "-o", "mountain").code == 0
+    files = sorted((tmp_path / "mountain").glob("slice_*.txt"))
+    original = gonio.Measurement.load(measured)
+    for file, s in zip(files, original.slices, strict=True):
+        (scan,) = gonio.read(file)
+        assert (scan.quantity, scan.theta_i) == ("dsf", pytest.approx(s.theta_i, abs=1e-6))
+        np.testing.assert_allclose(scan.theta_s, s.theta_s, atol=1e-6)
+        np.testing.assert_allclose(scan.value, s.dsf, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        (["--to", "word"], "word"),
+        (["--to", "radiance-klems", "--basis", "tiny"], "tiny"),
+        (["--to", "radiance-ttree", "--rank", "5"], "5"),
+        (["--to", "radiance-klems", "--component", "front-absorption"], "absorption"),
+        (["--to", "csv", "--channel", "red"], "red"),
+    ],
+)
+def test_an_option_out_of_range_is_named_and_nothing_is_written(run, measured, tmp_path, options, name):
+    one_clear_error(run("export", measured, *options, "-o", "out"), name)
+    assert listing(tmp_path) == ["m"]
+
+
+def test_a_model_is_no_table(tmp_path):
+    scans = [lambertian(t) for t in (10, 50)]
+    model = gonio.build(gonio.process(scans))
+    with pytest.raises(gonio.QuantityError, match="model"):
+        gonio.export(model, to="csv", out=tmp_path / "m.csv")
+
+
+def test_a_directory_in_place_of_the_file_is_one_clear_error(run, measured, tmp_path):
+    (tmp_path / "folder").mkdir()
+    for to in ("csv", "radiance-klems"):
+        one_clear_error(run("export", measured, "--to", to, "-o", "folder"), "folder", "directory")
