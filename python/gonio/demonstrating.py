@@ -12,13 +12,14 @@ from typing import Any
 from gonio._native import DataDriven, Verdict
 from gonio.building import build
 from gonio.checking import check
+from gonio.exporting import MODEL_FORMATS, export
 from gonio.materials import Material
 from gonio.measurement import Measurement
 from gonio.processing import process
 from gonio.reporting import report
 from gonio.simulating import Campaign, simulate
 from gonio.truth import Comparison, compare
-from gonio.working import Progress, interruptible, silent
+from gonio.working import Progress, silent
 
 DIRECTORY = "gonio-demo"
 """Where demos go unless told otherwise, each into a directory named after material and seed."""
@@ -36,6 +37,7 @@ class DemoResult:
     out: Path
     raw: Path
     measured: Path
+    exports: tuple[Path, ...]
     report: Path
     seconds: float
 
@@ -81,8 +83,8 @@ def demo(
     material, seed, incidences, instrument
         What to measure and how, as in `gonio.simulate`.
     out
-        Directory of all files: raw/, measurement/, report.html; None takes gonio-demo/MATERIAL-seedSEED in
-        the working directory. Files of an earlier demo there are replaced.
+        Directory of all files: raw/, measurement/, radiance-*.xml, report.html; None takes
+        gonio-demo/MATERIAL-seedSEED in the working directory. Files of an earlier demo there are replaced.
     progress
         Called with stage, parts done and parts in all.
 
@@ -107,9 +109,11 @@ def demo(
     progress("checking", 0, 1)
     verdicts = check(measurement)
     progress("checking", 1, 1)
-    progress("building", 0, 1)
-    model = interruptible(lambda: build(measurement))
-    progress("building", 1, 1)
+    model = build(measurement, progress=progress)
+    exports = tuple(
+        export(model, to=to, out=target / f"{to}.xml", name=measurement.sample_name, progress=progress).out
+        for to in MODEL_FORMATS
+    )
     report(
         measurement,
         out=page,
@@ -130,6 +134,7 @@ def demo(
         out=target,
         raw=raw,
         measured=measured,
+        exports=exports,
         report=page,
         seconds=time.monotonic() - begin,
     )

@@ -59,6 +59,8 @@ def _show(result: DemoResult) -> None:
     out.print(_checks(result))
     out.print(f"\nraw readings  {result.raw}")
     out.print(f"measurement   {result.measured}")
+    for path in result.exports:
+        out.print(f"for Radiance  {path}")
     out.print(f"report        {result.report}")
     out.print(f"\n{result.seconds:.1f} s")
 
