@@ -27,7 +27,7 @@ test: setup ## every test, Rust and Python
 check: setup ## format, lints, types and the fast tests
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --release --quiet -- -D warnings
-	$(RUN) ruff format --check python tests
+	$(RUN) ruff format --check python tests bench examples
 	$(RUN) ruff check
 	$(RUN) mypy
 	cargo test --workspace --exclude gonio-py --release --quiet
@@ -35,7 +35,7 @@ check: setup ## format, lints, types and the fast tests
 
 fmt: setup ## format Rust and Python
 	cargo fmt --all
-	$(RUN) ruff format python tests
+	$(RUN) ruff format python tests bench examples
 	$(RUN) ruff check --fix
 
 bench: setup ## compare with peers and write bench/results.json

@@ -33,7 +33,8 @@ measurement = gonio.process(sys.argv[1])
 seconds = time.process_time() - start
 (part,) = measurement.slices
 (integral,) = part.integrals
-print(json.dumps({"seconds": seconds, "bytes": peak() - before, "readings": len(part), "dhr": integral.value}))
+found = {"seconds": seconds, "bytes": peak() - before, "readings": len(part), "dhr": integral.value}
+print(json.dumps(found))
 """
 
 
