@@ -18,6 +18,11 @@ use pyo3::prelude::*;
 
 #[pymodule]
 fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    // A panic reaches Python as an exception that carries its message; Rust's own hook would print it a second time,
+    // unasked. RUST_BACKTRACE brings the place back.
+    if std::env::var_os("RUST_BACKTRACE").is_none() {
+        std::panic::set_hook(Box::new(|_| {}));
+    }
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     errors::register(m)?;
     files::register(m)?;
