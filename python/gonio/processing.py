@@ -128,7 +128,9 @@ def process(
         inputs=inputs, settings={**told, "quantity": quantity, **settings, **relative, "align": align}
     )
     found = {**data.processing, "alignment": alignment}
-    measurement = Measurement._wrap(data, provenance={**origin, "processing": found})
+    measurement = Measurement._wrap(
+        data, provenance={**origin, **_recorded(scans["sample"]), "processing": found}
+    )
     if out is not None:
         progress("saving", 0, 1)
         measurement.save(out, force=force)
@@ -156,6 +158,15 @@ def _compute(
         dark=scans["dark"],
         **settings,
     )
+
+
+def _recorded(scans: Iterable[Scan]) -> dict[str, str]:
+    """Instrument and earliest start of the sample's scans, as far as their files tell."""
+    meta = [scan.meta for scan in scans]
+    instruments = dict.fromkeys(str(m["instrument"]) for m in meta if m.get("instrument"))
+    starts = sorted(str(m["started"]) for m in meta if m.get("started"))
+    found = {"instrument": ", ".join(instruments), "started": starts[0] if starts else ""}
+    return {key: value for key, value in found.items() if value}
 
 
 def _alignment(data: MeasurementData) -> dict[str, float] | None:

@@ -43,6 +43,15 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{_minus(f'{value / 10.0**exponent:.{digits - 1}f}')}·10{_superscript(exponent)}"
 
 
+def rounded(value: float, digits: int) -> float:
+    """Round to `digits` significant digits; zero and values that are not finite stay.
+
+    >>> rounded(2892.4, 3)
+    2890.0
+    """
+    return float(f"{value:.{digits - 1}e}") if math.isfinite(value) else value
+
+
 def angle(degrees: float) -> str:
     """Write an angle in degrees to 0.001, without trailing zeros.
 
@@ -52,12 +61,13 @@ def angle(degrees: float) -> str:
     return _minus(f"{round(degrees, 3) + 0.0:g}")
 
 
-def percent(fraction: float, digits: int = 2) -> str:
-    """Write a fraction in percent."""
+def percent(fraction: float, digits: int = 2, *, sign: bool = False) -> str:
+    """Write a fraction in percent; `sign` puts a plus before positive values."""
     if not math.isfinite(fraction):
         return "no value"
-    rounded = round(100.0 * fraction, digits) + 0.0  # + 0.0 turns a negative zero into zero
-    return f"{_minus(f'{rounded:.{digits}f}')} %"
+    shown = round(100.0 * fraction, digits) + 0.0  # + 0.0 turns a negative zero into zero
+    plus = "+" if sign and shown > 0.0 else ""
+    return f"{plus}{_minus(f'{shown:.{digits}f}')} %"
 
 
 def _minus(text: str) -> str:

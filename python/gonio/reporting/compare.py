@@ -5,8 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gonio._drawing.directions import component_of
 from gonio._drawing.numbers import angle, percent
 from gonio._drawing.shapes import BsdfLike, Floats, Snapshot, unusable
+from gonio._native import Bsdf, directional_albedo
+from gonio.reporting.wording import channel_label
 
 if TYPE_CHECKING:
     from gonio.reporting.drawn import DrawnSlice
@@ -50,6 +53,19 @@ class Reference:
         return self.dsf(s, theta, np.where(opposite, (plane + 180.0) % 360.0, plane) + 0.0 * extended)
 
 
+def hemispherical_truth(truth: BsdfLike | None, s: Snapshot, side: str) -> float | None:
+    """DHR or DHT of a known scattering function at the incidence of a slice; None where it cannot be told."""
+    if not isinstance(truth, Bsdf):
+        return None
+    return directional_albedo(
+        truth,
+        theta_i=s.theta_i,
+        phi_i=s.phi_i,
+        component=component_of(s.theta_i, side),
+        channel=None if len(truth.channels) == 1 else s.channel,
+    )
+
+
 def residual_rows(drawn: list["DrawnSlice"], references: list[Reference]) -> list[dict[str, str]]:
     """One row a slice and reference: bias and spread of the readings against it, above the noise floor."""
     return [_row(d, r) for r in references for d in drawn]
@@ -67,7 +83,7 @@ def _row(d: "DrawnSlice", reference: Reference) -> dict[str, str]:
         "reference": reference.label,
         "theta_i": angle(s.theta_i),
         "phi_i": angle(s.phi_i),
-        "channel": s.channel,
+        "channel": channel_label(s.channel),
     }
     if len(rows) == 0:
         return row | {"n": "0", "bias": "—", "median": "—", "p95": "—", "within": "—"}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gonio._drawing.directions import SIDES
-from gonio._drawing.mesh import Mesh, triangulate
+from gonio._drawing.mesh import MOST_TRIANGULATED, Mesh, triangulate
 from gonio._drawing.noise import noise_floor
 from gonio._drawing.section import Profile, section
 from gonio._drawing.shapes import SliceLike, Snapshot, snapshot, unusable
@@ -28,6 +28,7 @@ class DrawnSlice:
 
     `key` is its position in the measurement, `meshes` the drawn surfaces (thinned), `profile` the section
     through all its readings, `floor` the noise floor in 1/sr or None, `peak` the largest usable DSF or NaN.
+    `thinned` tells whether fewer directions are drawn than were read.
     """
 
     key: int
@@ -38,6 +39,7 @@ class DrawnSlice:
     peak: float
     readings: int
     drawn: int
+    thinned: bool
     negative: int
     below_noise: int
     unusable: int
@@ -71,6 +73,8 @@ def draw(slice_: SliceLike, key: int, most: int) -> DrawnSlice:
         peak=peak,
         readings=len(fetched.dsf),
         drawn=sum(len(mesh.rows) for mesh in meshes.values()),
+        thinned=any(len(full[side].rows) > len(mesh.rows) for side, mesh in meshes.items())
+        or len(usable) > MOST_TRIANGULATED,
         negative=int((usable < 0.0).sum()),
         below_noise=int(((flags & FLAGS["below_noise"]) != 0).sum()),
         unusable=int(bad.sum()),

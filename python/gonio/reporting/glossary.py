@@ -52,8 +52,9 @@ TERMS: tuple[tuple[str, str, str], ...] = (
     (
         "floor",
         "Noise floor",
-        "The DSF that equals two standard uncertainties of the weakest readings. Below it a reading "
-        "says only that the material scatters less than that.",
+        "The DSF that equals two standard uncertainties u of the weakest readings. Below it a reading "
+        "says only that the material scatters less than that, and the maps are striped grey. The check "
+        "of the signal compares with a single u.",
     ),
     (
         "negative",

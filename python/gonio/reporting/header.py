@@ -3,13 +3,17 @@
 from collections.abc import Sequence
 from typing import Any
 
-from gonio._drawing.numbers import number
+from gonio._drawing.numbers import number, rounded
 from gonio._drawing.shapes import MeasurementLike, VerdictLike
 from gonio.reporting.drawn import DrawnSlice
-from gonio.reporting.provenance import find
+from gonio.reporting.provenance import find, sample_file
+from gonio.reporting.wording import in_symbols, when
 
 ICONS = {"pass": "✓", "warn": "!", "fail": "✕", "info": "i"}
 """The sign of each verdict, so that colour is never needed to tell them apart."""
+
+RATIOS = ("dynamic_range", "resolution")
+"""Checks whose value tells how many times one quantity is another."""
 
 _ORDER = ("fail", "warn", "pass", "info")
 
@@ -23,14 +27,14 @@ def describe(
 ) -> dict[str, Any]:
     """Heading, facts and summary of the page."""
     readings, shown = sum(d.readings for d in drawn), sum(d.drawn for d in drawn)
-    name = measurement.sample_name or "unnamed sample"
+    name = measurement.sample_name or sample_file(measurement.provenance) or "unnamed sample"
     incidences = len({(round(d.slice.theta_i, 4), round(d.slice.phi_i, 4)) for d in drawn})
     fwhm = measurement.signature_fwhm
     facts = [
         ("Sample", name if title else None),
         ("Instrument", find(measurement.provenance, ("instrument",))),
-        ("Measured", find(measurement.provenance, ("started", "measured", "date"))),
-        ("Processed", find(measurement.provenance, ("created", "processed", "timestamp", "time"))),
+        ("Measured", when(find(measurement.provenance, ("started", "measured", "date")))),
+        ("Processed", when(find(measurement.provenance, ("created",)))),
         ("Readings", f"{grouped(readings)} at {incidences} incidence{'s' if incidences != 1 else ''}"),
         ("Resolution", f"{number(fwhm, 3)}° beam FWHM" if fwhm else "beam not measured"),
     ]
@@ -42,7 +46,7 @@ def describe(
         "summary": summary(verdicts),
         "readings": grouped(readings),
         "drawn": grouped(shown),
-        "thinned": shown < sum(d.readings - d.unusable for d in drawn),
+        "thinned": any(d.thinned for d in drawn),
     }
 
 
@@ -78,15 +82,28 @@ def verdict_row(verdict: VerdictLike) -> dict[str, str]:
         "title": verdict.title,
         "verdict": known,
         "icon": ICONS[known],
-        "value": "" if verdict.value is None else number(verdict.value, 3),
-        "unit": str(verdict.unit or "") if verdict.value is not None else "",
-        "sentence": verdict.sentence,
+        "value": "" if verdict.value is None else _short(verdict.value),
+        "unit": _unit(verdict) if verdict.value is not None else "",
+        "sentence": in_symbols(verdict.sentence),
     }
 
 
 def grouped(count: int) -> str:
     """Write an integer with its thousands set apart."""
     return f"{count:,}".replace(",", "\u202f")
+
+
+def _short(value: float) -> str:
+    """Three significant digits, thousands set apart."""
+    short = rounded(value, 3)
+    return grouped(int(short)) if 1e4 <= short < 1e6 else number(short, 3)
+
+
+def _unit(verdict: VerdictLike) -> str:
+    """Unit for the reader: ratios carry a multiplication sign, other plain numbers nothing."""
+    if verdict.id in RATIOS:
+        return "×"
+    return "" if verdict.unit in (None, "1") else str(verdict.unit)
 
 
 def _known(verdict: str) -> str:

@@ -13,7 +13,9 @@ from gonio._drawing import numbers
 from gonio._drawing.shapes import BsdfLike, MeasurementLike, VerdictLike
 from gonio.files import replacing_file
 from gonio.reporting import compare, glossary, header, provenance, sparkline, tables
+from gonio.reporting.drawn import draw_all
 from gonio.reporting.payload import build_payload, to_json
+from gonio.reporting.wording import in_symbols
 
 SCRIPTS = ("base.js", "data.js", "dhr.js", "profile.js", "lobe.js", "heatmap.js", "main.js")
 """Scripts of the page in the order in which they are inlined."""
@@ -64,8 +66,15 @@ def render_report(
         for name, label, bsdf in (("truth", "known truth", truth), ("model", "model", model))
         if bsdf is not None
     ]
-    payload, drawn = build_payload(measurement, references)
-    integrals = tables.integral_rows(measurement)
+    drawn = draw_all(list(measurement.slices))
+    truths = {
+        (d.key, str(i.side)): compare.hemispherical_truth(truth, d.slice, str(i.side))
+        for d in drawn
+        for i in d.slice.integrals
+    }
+    payload = build_payload(measurement, drawn, references, truths)
+    integrals = tables.integral_rows(drawn, truths)
+    warnings = list(dict.fromkeys(in_symbols(str(w)) for w in measurement.warnings))
     page = (
         _environment()
         .get_template("report.html.j2")
@@ -76,11 +85,14 @@ def render_report(
             show=tables.columns(drawn),
             several_phi=tables.several_azimuths(drawn),
             channels=payload["channels"],
+            two_sided=len(payload["sides"]) > 1,
             incidences=sparkline.cards(drawn),
             facts=Markup(to_json(tables.drawn_facts(drawn))),
             residuals=compare.residual_rows(drawn, references),
             references=[r.label for r in references],
-            warnings=[str(w) for w in measurement.warnings],
+            known_truth=any(value is not None for value in truths.values()),
+            extrapolates=any(row["extrapolated"] != "0.00 %" for row in integrals),
+            warnings=warnings,
             provenance=provenance.sections(measurement.provenance),
             glossary=glossary.TERMS,
             version=metadata.version("gonio"),

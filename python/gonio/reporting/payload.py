@@ -14,29 +14,31 @@ from gonio._drawing.shapes import MeasurementLike, Snapshot
 from gonio._drawing.thinning import thin_curve
 from gonio._native import FLAGS
 from gonio.reporting.compare import Reference
-from gonio.reporting.drawn import DrawnSlice, draw_all
+from gonio.reporting.drawn import DrawnSlice
+from gonio.reporting.wording import channel_label
 
 MOST_OF_A_PROFILE = 3_000
 """Points of one profile, and marks on it, that are drawn."""
 
 
 def build_payload(
-    measurement: MeasurementLike, references: list[Reference]
-) -> tuple[dict[str, Any], list[DrawnSlice]]:
-    """Everything the page's scripts need, and the drawn slices it was made from."""
-    drawn = draw_all(list(measurement.slices))
+    measurement: MeasurementLike,
+    drawn: list[DrawnSlice],
+    references: list[Reference],
+    truths: dict[tuple[int, str], float | None],
+) -> dict[str, Any]:
+    """Everything the page's scripts need; `truths` are known integrals by key of the slice and side."""
     channels = list(dict.fromkeys(d.slice.channel for d in sorted(drawn, key=lambda d: d.key)))
     incidences = list(dict.fromkeys(incidence_of(d) for d in drawn))
     sides = [side for side in SIDES if any(side in d.meshes for d in drawn)]
-    payload = {
-        "channels": channels,
+    return {
+        "channels": [channel_label(c) for c in channels],
         "incidences": [{"theta_i": theta, "phi_i": phi} for theta, phi in incidences],
         "sides": sides,
         "fwhm": _finite(measurement.signature_fwhm),
         "references": [{"name": r.name, "label": r.label} for r in references],
-        "slices": [_slice(d, channels, incidences, references) for d in drawn],
+        "slices": [_slice(d, channels, incidences, references, truths) for d in drawn],
     }
-    return payload, drawn
 
 
 def incidence_of(drawn: DrawnSlice) -> tuple[float, float]:
@@ -60,7 +62,11 @@ def pack(values: npt.ArrayLike, kind: str) -> str:
 
 
 def _slice(
-    d: DrawnSlice, channels: list[str], incidences: list[tuple[float, float]], references: list[Reference]
+    d: DrawnSlice,
+    channels: list[str],
+    incidences: list[tuple[float, float]],
+    references: list[Reference],
+    truths: dict[tuple[int, str], float | None],
 ) -> dict[str, Any]:
     s = d.slice
     profile = d.profile
@@ -76,7 +82,7 @@ def _slice(
         "floor": _finite(d.floor),
         "weak": _weak(s),
         "sides": [_surface(mesh, s) for mesh in d.meshes.values()],
-        "integrals": [_integral(i, s.theta_i) for i in s.integrals],
+        "integrals": [_integral(i, s.theta_i, truths.get((d.key, str(i.side)))) for i in s.integrals],
         "profile": {
             "phi": profile.plane_phi,
             "tolerance": profile.tolerance,
@@ -107,12 +113,13 @@ def _surface(mesh: Mesh, s: Snapshot) -> dict[str, Any]:
     }
 
 
-def _integral(integral: Any, theta_i: float) -> dict[str, Any]:
+def _integral(integral: Any, theta_i: float, truth: float | None) -> dict[str, Any]:
     return {
         "component": component_of(theta_i, str(integral.side)),
         "value": _finite(integral.value),
         "extrapolated": _finite(integral.extrapolated),
         "u": _finite(integral.u),
+        "truth": _finite(truth),
     }
 
 

@@ -25,6 +25,15 @@ def find(provenance: Any, names: tuple[str, ...]) -> str | None:
     return None
 
 
+def sample_file(provenance: Any) -> str | None:
+    """Name of the sample's file without its ending, when there is exactly one."""
+    inputs = provenance.get("inputs") if isinstance(provenance, Mapping) else None
+    if inputs is None or not _records(inputs):
+        return None
+    names = [str(i.get("name", "")) for i in inputs if i.get("role") == "sample"]
+    return (names[0].rsplit(".", 1)[0] or None) if len(names) == 1 else None
+
+
 def sections(provenance: Any) -> list[dict[str, Any]]:
     """Lay out the provenance: a table for plain values, one a nested mapping, one a list of records."""
     if not isinstance(provenance, Mapping):
@@ -41,15 +50,19 @@ def sections(provenance: Any) -> list[dict[str, Any]]:
 def _tables(title: str, value: Any) -> list[dict[str, Any]]:
     """Lay out one entry; lists of records inside a mapping become tables of their own, named after both."""
     if isinstance(value, Mapping) and value:
-        own = {k: v for k, v in value.items() if not _records(v)}
+        own = {k: v for k, v in value.items() if not _records(v) and v is not None}
+        if unset := [str(k) for k, v in value.items() if v is None]:
+            own["not set"] = unset
         below = [
             t for k, v in value.items() if _records(v) for t in _tables(f"{title}: {_title(k).lower()}", v)
         ]
         return ([{"title": title, "pairs": _pairs(own)}] if own else []) + below
     if _records(value):
         names = list(dict.fromkeys(str(k) for record in value for k in record))
+        if all(str(record.get("path", "")).endswith(str(record.get("name"))) for record in value):
+            names = [name for name in names if name != "name"]
         rows = [[_text(record.get(name, "")) for name in names] for record in value]
-        return [{"title": title, "names": names, "rows": rows}]
+        return [{"title": f"{title} ({len(rows)})", "names": names, "rows": rows}]
     return []
 
 

@@ -51,9 +51,13 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         return Verdict::not_applicable(ID, TITLE, "No hemisphere was scanned with 20 readings or more.");
     };
     let level = graded(value, WARN, FAIL);
+    let covered = if value == 0.0 {
+        "Every direction has a reading near it".to_owned()
+    } else {
+        format!("At most {value:.2} % of the projected solid angle has no reading near it")
+    };
     let mut sentence = format!(
-        "At most {value:.1} % of the projected solid angle has no reading near it; the scan ends {:.1} deg above the \
-         sample plane or closer ({place}).",
+        "{covered}; the scan ends {:.1} deg above the sample plane or closer ({place}).",
         grazing.to_degrees()
     );
     if level != Level::Pass {

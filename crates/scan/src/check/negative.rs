@@ -29,10 +29,14 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         return Verdict::not_applicable(ID, TITLE, "No slice.");
     };
     let level = graded(value, WARN, FAIL);
-    let mut sentence = format!(
-        "At most {value:.1} % of the readings are negative ({}).",
-        name(worst)
-    );
+    let mut sentence = if value == 0.0 {
+        "No reading is negative.".to_owned()
+    } else {
+        format!(
+            "At most {value:.2} % of the readings are negative ({}).",
+            name(worst)
+        )
+    };
     if value >= FAIL {
         sentence.push_str(
             " Most of the signal is below the blank: measure the blank again with the stray light of the sample scan, \

@@ -39,7 +39,8 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         Level::Pass
     };
     let mut sentence = format!(
-        "The peak is at least {value:.3e} times the noise floor of {floor:.2e} 1/sr ({}).",
+        "The peak is at least {} times the noise floor, u = {floor:.1e} 1/sr ({}).",
+        three_digits(value),
         name(slice)
     );
     if level != Level::Pass {
@@ -52,5 +53,30 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         value: Some(value),
         unit: "1",
         sentence,
+    }
+}
+
+/// `value` to three significant digits, without an exponent.
+fn three_digits(value: f64) -> String {
+    if !value.is_finite() || value == 0.0 {
+        return format!("{value}");
+    }
+    let places = 2 - value.abs().log10().floor() as i32;
+    let step = 10.0_f64.powi(-places);
+    let places = places.max(0) as usize;
+    format!("{:.places$}", (value / step).round() * step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::three_digits;
+
+    #[test]
+    fn a_ratio_is_written_to_three_digits_without_an_exponent() {
+        assert_eq!(three_digits(2892.4), "2890");
+        assert_eq!(three_digits(240_600.0), "241000");
+        assert_eq!(three_digits(4.988), "4.99");
+        assert_eq!(three_digits(0.05), "0.0500");
+        assert_eq!(three_digits(-12.34), "-12.3");
     }
 }

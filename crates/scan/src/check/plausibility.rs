@@ -87,7 +87,9 @@ pub(super) fn check(slices: &[Slice], pairs: &Pairs) -> Verdict {
         level,
         Some(k),
         format!(
-            "Exchanged directions differ as the {k:.2} ± {u:.2} power of the ratio of their cosines{what}"
+            "Exchanged directions differ as the power {:.3} ± {:.3} (k = 2) of the ratio of their cosines{what}",
+            (k * 1e3).round() / 1e3 + 0.0,
+            2.0 * u
         ),
     )
 }

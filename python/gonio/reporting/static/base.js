@@ -35,7 +35,7 @@ Gonio.colour = (name) => getComputedStyle(document.documentElement).getPropertyV
 
 Gonio.palette = () => {
   const names = ["ground", "panel", "ink", "quiet", "line", "data", "band", "mark", "negative", "truth", "model",
-    "unmeasured", "transmitted", "sum", "accent"];
+    "unmeasured", "noise-a", "noise-b", "transmitted", "sum", "accent"];
   return Object.fromEntries(names.map((n) => [n, Gonio.colour(n)]));
 };
 

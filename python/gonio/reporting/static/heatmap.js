@@ -36,18 +36,18 @@ Gonio.drawMap = (s, state) => {
   const p = Gonio.palette(), range = Gonio.range(state), log = state.log && range.positive, unit = Gonio.label(state) + " [1/sr]";
   const axis = Gonio.colourAxis(range, log, unit), traces = [], shapes = [], annotations = [], n = s.sides.length || 1;
   const grid = Array.from({ length: Gonio.GRID }, (_, k) => (k + .5) / Gonio.GRID * 2 - 1), layout = {};
-  let negative = false;
+  let negative = false, noise = false;
   s.sides.forEach((side, k) => {
     const id = k ? String(k + 1) : "", values = Gonio.values(side, state.quantity), z = Gonio.raster(side, values);
     const shown = z.map((row) => row.map((v) => (v === null || !Number.isFinite(v) ? null : log ? (v > 0 ? Math.log10(Math.max(v, range.low)) : null) : v)));
-    const below = z.map((row) => row.map((v) => (v !== null && v < 0 ? 1 : null)));
+    const below = Gonio.belowFloor(z, grid, s.floor, state);
     const any = below.some((row) => row.some((v) => v !== null));
-    negative = negative || any;
+    for (const row of below) for (const v of row) { negative = negative || v === 2; noise = noise || v === 0; }
     if (side.triangles.length) {
       const text = z.map((row, iy) => row.map((v, ix) => (v === null ? "" : Gonio.mapLabel(grid[ix], grid[iy], side.side, v))));
       traces.push({ type: "heatmap", x: grid, y: grid, z: shown, text, hovertemplate: "%{text}<extra></extra>", xaxis: "x" + id, yaxis: "y" + id, zmin: axis.cmin, zmax: axis.cmax, colorscale: Gonio.COLOURS, zsmooth: false, showscale: k === 0, hoverongaps: false,
         colorbar: Gonio.lyingBar(axis.bar) });
-      if (any) traces.push({ type: "heatmap", x: grid, y: grid, z: below, xaxis: "x" + id, yaxis: "y" + id, zmin: 0, zmax: 1, colorscale: [[0, p.negative], [1, p.negative]], showscale: false, hoverinfo: "skip" });
+      if (any) traces.push({ type: "heatmap", x: grid, y: grid, z: below, xaxis: "x" + id, yaxis: "y" + id, zmin: 0, zmax: 2, colorscale: [[0, p["noise-a"]], [.3, p["noise-a"]], [.3, p["noise-b"]], [.7, p["noise-b"]], [.7, p.negative], [1, p.negative]], showscale: false, hoverinfo: "skip" });
     }
     const alone = !side.triangles.length;
     if (state.readings || alone) {
@@ -63,8 +63,16 @@ Gonio.drawMap = (s, state) => {
     layout["yaxis" + id] = Object.assign({}, common, { range: [-1.18, 1.3], domain: [0, 1], anchor: "x" + id, scaleanchor: "x" + id, scaleratio: 1 });
   });
   Plotly.react("plot-map", traces, Gonio.layout(p, Object.assign(layout, { shapes, annotations, showlegend: false, margin: { l: 4, r: 4, t: 4, b: 56 } })), Gonio.CONFIG);
-  Gonio.mapCaption(s, negative);
+  Gonio.mapCaption(s, negative, noise);
 };
+
+// Pixels that colour may not speak for: 0 and 1 are the stripes of values within the noise, 2 is clearly negative.
+Gonio.belowFloor = (z, grid, floor, state) => z.map((row, iy) => row.map((v, ix) => {
+  if (v === null || !Number.isFinite(v)) return null;
+  const dsf = state.quantity === "bsdf" ? v * Math.max(0, 1 - grid[ix] ** 2 - grid[iy] ** 2) : v;
+  if (floor && Math.abs(dsf) < floor) return (ix + iy) % 8 < 4 ? 0 : 1;
+  return dsf < 0 ? 2 : null;
+}));
 
 // A colour bar below the maps leaves them the whole width.
 Gonio.lyingBar = (bar) => Object.assign({ orientation: "h", thickness: 11, len: .7, y: -0.01, yanchor: "top", outlinewidth: 0 }, bar, { title: { text: bar.title.text, side: "bottom" } });
@@ -98,10 +106,14 @@ Gonio.mapGrid = (side, id, p, shapes, annotations) => {
   annotations.push({ xref, yref, x: -1.15, y: 1.24, xanchor: "left", text: "<b>" + side.component + "</b> · " + side.side, showarrow: false, font: { size: 12.5, color: p.ink } });
 };
 
-Gonio.mapCaption = (s, negative) => {
-  const parts = ["Equal-area maps, both seen from the front: azimuth runs counter-clockwise, the rim is the horizon. Grey: not measured."];
-  if (negative) parts.push("Purple-red: negative after the dark was subtracted.");
+Gonio.mapCaption = (s, negative, noise) => {
+  const caption = document.getElementById("map-caption"), legend = [];
+  const add = (kind, meaning) => { const swatch = document.createElement("span"); swatch.className = "swatch " + kind; legend.push(swatch, meaning + "  "); };
+  add("gap", "not measured");
+  if (noise) add("noise", "below the noise floor");
+  if (negative) add("negative", "negative beyond the noise");
+  const parts = ["Equal-area map" + (s.sides.length > 1 ? "s, both" : ",") + " seen from the front: azimuth runs counter-clockwise, the rim is the horizon."];
   parts.push("Marks: ▲ incidence" + (s.sides.some((d) => d.component === "reflection") ? ", ○ mirror" : "") + (s.sides.some((d) => d.component === "transmission") ? ", ◇ unbent transmission" : "") + ".");
   if (Gonio.data.fwhm) parts.push("Resolution " + Gonio.number(Gonio.data.fwhm, 3) + "°.");
-  document.getElementById("map-caption").textContent = parts.join(" ");
+  caption.replaceChildren(...legend, document.createElement("br"), parts.join(" "));
 };

@@ -60,12 +60,12 @@ Gonio.drawLobe = (s, state) => {
     margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: "lobe",
     scene: {
       xaxis: Object.assign({ range: [-1.3, 1.3] }, none), yaxis: Object.assign({ range: [-1.3, 1.3] }, none), zaxis: Object.assign({ range: [back ? -1.3 : -0.25, front ? 1.3 : 0.25] }, none), aspectmode: "data",
-      camera: { eye: { x: 1.12 * Math.cos(turn) + .3 * Math.cos(turn + 1.57), y: 1.12 * Math.sin(turn) + .3 * Math.sin(turn + 1.57), z: back && front ? .45 : back ? -.5 : .6 }, center: { x: 0, y: 0, z: back && front ? 0 : back ? 0.1 : -0.1 } }, uirevision: "lobe",
+      camera: { eye: { x: 1.24 * Math.cos(turn) + .3 * Math.cos(turn + 1.57), y: 1.24 * Math.sin(turn) + .3 * Math.sin(turn + 1.57), z: back && front ? .45 : back ? -.5 : .6 }, center: { x: 0, y: 0, z: back && front ? 0 : back ? 0.1 : -0.1 } }, uirevision: "lobe",
     },
   }), Object.assign({}, Gonio.CONFIG, { toImageButtonOptions: { format: "png", scale: 2, filename: "gonio-lobe" } }));
   if (!range.positive) caption.textContent = "No reading is positive, so there is no lobe to draw; the directions are shown for orientation.";
   else caption.textContent = log
-    ? "Radius and colour (as in the maps): " + Gonio.label(state) + " on a logarithmic scale, from " + Gonio.number(range.low * 10 ** -0.3, 2) + " at the centre to " + Gonio.number(range.high, 3) + " 1/sr at the outer ring; rings in the sample plane mark decades. Open patches were not measured. Drag to rotate."
+    ? "Radius and colour (as in the maps): " + Gonio.label(state) + " on a logarithmic scale, from " + Gonio.number(range.low * 10 ** -0.3, 2) + " at the centre to " + Gonio.number(range.high, 3) + " 1/sr at the outer ring; rings in the sample plane mark the values written on them. Open patches were not measured. Drag to rotate."
     : "Radius and colour (as in the maps): " + Gonio.label(state) + " on a linear scale up to " + Gonio.number(range.high, 3) + " 1/sr at the outer ring. Open patches were not measured. Drag to rotate.";
   return element;
 };

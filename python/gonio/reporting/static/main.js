@@ -58,6 +58,7 @@ Gonio.listen = () => {
   on("readings", "change", (e) => { Gonio.state.readings = e.checked; });
   document.querySelectorAll(".card").forEach((card) => card.addEventListener("click", () => { Gonio.state.incidence = Number(card.dataset.incidence); Gonio.later(); }));
   document.querySelectorAll("[data-range]").forEach((button) => button.addEventListener("click", () => { Gonio.state.zoom = button.dataset.range; Gonio.later(); }));
+  addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { Gonio.drawIntegrals(); Gonio.later(); });
 };
 
