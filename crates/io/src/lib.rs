@@ -2,6 +2,7 @@
 //! found and what is allowed; no reader guesses. Every writer writes a temporary file and renames it.
 
 pub mod atomic;
+mod column;
 pub mod detect;
 pub mod error;
 pub mod gonio_raw;
@@ -14,6 +15,7 @@ pub mod table;
 mod text;
 
 pub use atomic::write_atomic;
+pub use column::column;
 pub use detect::{Format, detect, detect_file, read_any};
 pub use error::{IoError, excerpt, read_bytes};
 pub use options::ReadOptions;

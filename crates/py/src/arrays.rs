@@ -58,5 +58,14 @@ pub(crate) fn canonical_columns(fields: [&str; 2], theta: &mut [f64], phi: &mut 
 
 /// A new numpy array of degrees.
 pub(crate) fn degrees<'py>(py: Python<'py>, radians: &[f64]) -> Bound<'py, PyArray1<f64>> {
-    PyArray1::from_iter(py, radians.iter().map(|a| a.to_degrees()))
+    let mut values = gonio_io::column(radians.len());
+    values.extend(radians.iter().map(|&a| gonio_geom::degrees(a)));
+    PyArray1::from_vec(py, values)
+}
+
+/// A new numpy array of a column.
+pub(crate) fn copied<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyArray1<f64>> {
+    let mut copy = gonio_io::column(values.len());
+    copy.extend_from_slice(values);
+    PyArray1::from_vec(py, copy)
 }

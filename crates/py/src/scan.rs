@@ -9,7 +9,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Column, angles, canonical_columns, column, degrees};
+use crate::arrays::{Column, angles, canonical_columns, column, copied, degrees};
 use crate::errors::{OrRaise, domain};
 
 /// One record as an instrument wrote it: the readings of one incidence and one channel.
@@ -107,13 +107,13 @@ impl Scan {
     /// Readings in the unit of `quantity`.
     #[getter]
     fn value<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.0.value)
+        copied(py, &self.0.value)
     }
 
     /// Seconds since `meta["started"]`, or None when no times were recorded.
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.0.time.as_deref().map(|t| PyArray1::from_slice(py, t))
+        self.0.time.as_deref().map(|t| copied(py, t))
     }
 
     /// What is known beside the readings; unknown fields are left out.

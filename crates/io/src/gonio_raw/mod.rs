@@ -23,7 +23,7 @@ use std::path::Path;
 use gonio_scan::Scan;
 
 use crate::text::{Fault, Receivers, Text};
-use crate::{IoError, ReadOptions};
+use crate::{IoError, ReadOptions, column};
 use fields::{Columns, Fields};
 pub use write::{write, write_to};
 
@@ -121,7 +121,7 @@ fn readings(
         .readings
         .map_or_else(|| text.expected_rows(3), |n| n.min(text.expected_rows(3)));
     let mut receivers = Receivers::new(rows, 0.0);
-    let mut value = Vec::with_capacity(rows);
+    let mut value = column(rows);
     let mut time = None;
     let header_line = text.line.saturating_sub(1);
     match columns {
@@ -132,7 +132,7 @@ fn readings(
             Ok(())
         })?,
         Columns::WithTime => {
-            let mut times = Vec::with_capacity(rows);
+            let mut times = column(rows);
             text.rows(["theta_s", "phi_s", "value", "time_s"], |&[theta, phi, v, t]| {
                 receivers.push(theta, phi)?;
                 finite("value", v)?;

@@ -13,7 +13,7 @@ use gonio_bsdf::{Channel, Quantity};
 use gonio_scan::{Scan, ScanKind};
 
 use crate::text::{Fault, Receivers, Text};
-use crate::{IoError, ReadOptions};
+use crate::{IoError, ReadOptions, column};
 use header::{Colorimetry, Header};
 pub use write::write;
 
@@ -45,7 +45,7 @@ fn from_text(mut text: Text<'_>, options: &ReadOptions) -> Result<Vec<Scan>, IoE
 fn one_channel(mut text: Text<'_>, header: Header) -> Result<Vec<Scan>, IoError> {
     let rows = text.expected_rows(3);
     let mut receivers = Receivers::new(rows, header.rotation);
-    let mut value = Vec::with_capacity(rows);
+    let mut value = column(rows);
     all_rows(&mut text, ["theta", "phi", "value"], |&[theta, phi, v]| {
         receivers.push(theta, phi)?;
         finite(v)?;
@@ -77,7 +77,7 @@ fn radiance_rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
 fn three_columns(mut text: Text<'_>, header: Header) -> Result<Vec<Scan>, IoError> {
     let rows = text.expected_rows(5);
     let mut receivers = Receivers::new(rows, header.rotation);
-    let mut values: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::with_capacity(rows));
+    let mut values: [Vec<f64>; 4] = std::array::from_fn(|_| column(rows));
     all_rows(
         &mut text,
         ["theta", "phi", "X", "Y", "Z"],

@@ -1,6 +1,7 @@
 //! Angles of files (degrees) and of readings (radians, canonical).
 
 use super::Fault;
+use crate::column;
 
 /// Receiver directions as they are read.
 #[derive(Clone)]
@@ -17,8 +18,8 @@ impl Receivers {
     /// Room for `capacity` directions whose azimuths are turned by `rotation` degrees.
     pub(crate) fn new(capacity: usize, rotation: f64) -> Self {
         Receivers {
-            theta: Vec::with_capacity(capacity),
-            phi: Vec::with_capacity(capacity),
+            theta: column(capacity),
+            phi: column(capacity),
             rotation,
         }
     }

@@ -3,6 +3,9 @@
 mod angles;
 mod fast;
 mod number;
+mod plain;
+mod rows;
+mod shape;
 mod write;
 
 use std::io::Read;
@@ -13,8 +16,9 @@ pub(crate) use write::{degrees, scaled, write_number};
 
 use crate::error::open;
 use crate::{IoError, excerpt};
-use fast::{AFTER, BEFORE};
-use number::{MAX_LENGTH, number};
+use fast::BEFORE;
+use plain::AFTER;
+use rows::{Reader, Stop};
 
 /// Bytes read at a time; no line may be longer.
 const CHUNK: usize = 1 << 18;
@@ -35,6 +39,7 @@ pub(crate) struct Text<'a> {
     source: Box<dyn Read + 'a>,
     /// Padding, then what was read, then padding: the padding lets `fast` look past the ends.
     buffer: Vec<u8>,
+    reader: Reader,
     /// Next byte to look at.
     pos: usize,
     /// End of the whole lines in `buffer`.
@@ -74,6 +79,7 @@ impl<'a> Text<'a> {
         let mut text = Text {
             source,
             buffer: vec![b'\n'; BEFORE + CHUNK + AFTER],
+            reader: Reader::new(),
             pos: BEFORE,
             end: BEFORE,
             filled: BEFORE,
@@ -233,7 +239,9 @@ impl<'a> Text<'a> {
         mut sink: impl FnMut(&[f64; N]) -> Result<(), Fault>,
     ) -> Result<(), IoError> {
         while self.refill()? {
-            let (pos, line, done) = piece(&self.buffer, self.pos, self.end, self.line, &names, &mut sink);
+            let (pos, line, done) =
+                self.reader
+                    .piece(&self.buffer, self.pos, self.end, self.line, &names, &mut sink);
             self.pos = pos;
             self.line = line;
             match done {
@@ -243,95 +251,6 @@ impl<'a> Text<'a> {
             }
         }
         Ok(())
-    }
-}
-
-/// Why [`piece`] stopped.
-enum Stop {
-    /// At the end of the piece.
-    Piece,
-    /// Before a line that starts with `#`.
-    Header,
-}
-
-/// The rows of one piece of whole lines, `buffer[pos..end]`; where and on which line it stopped.
-#[inline(always)]
-fn piece<const N: usize>(
-    buffer: &[u8],
-    mut pos: usize,
-    end: usize,
-    mut line: u64,
-    names: &[&'static str; N],
-    sink: &mut impl FnMut(&[f64; N]) -> Result<(), Fault>,
-) -> (usize, u64, Result<Stop, Fault>) {
-    let mut row = [0.0; N];
-    loop {
-        let window = buffer[pos - BEFORE..].first_chunk();
-        let next = match window.and_then(|w| fast::row(w, &mut row)) {
-            Some(used) if pos + used <= end => pos + used,
-            _ => match careful_row(&buffer[..end], pos, names, &mut row) {
-                Ok(Line::Row(next)) => next,
-                Ok(Line::Blank(next)) => {
-                    pos = next;
-                    line += 1;
-                    continue;
-                }
-                Ok(Line::Stop(stop)) => return (pos, line, Ok(stop)),
-                Err(fault) => return (pos, line, Err(fault)),
-            },
-        };
-        if let Err(fault) = sink(&row) {
-            return (pos, line, Err(fault));
-        }
-        pos = next;
-        line += 1;
-    }
-}
-
-/// What a line is, and where the next one starts.
-enum Line {
-    Row(usize),
-    Blank(usize),
-    Stop(Stop),
-}
-
-/// The line that starts at `pos`, whatever it holds.
-#[inline(never)]
-fn careful_row<const N: usize>(
-    bytes: &[u8],
-    mut pos: usize,
-    names: &[&'static str; N],
-    row: &mut [f64; N],
-) -> Result<Line, Fault> {
-    for (column, x) in row.iter_mut().enumerate() {
-        while matches!(bytes.get(pos), Some(b' ' | b'\t')) {
-            pos += 1;
-        }
-        match bytes.get(pos) {
-            None if column == 0 => return Ok(Line::Stop(Stop::Piece)),
-            Some(b'#') if column == 0 => return Ok(Line::Stop(Stop::Header)),
-            Some(b'\r') if column == 0 && bytes.get(pos + 1) == Some(&b'\n') => {
-                return Ok(Line::Blank(pos + 2));
-            }
-            Some(b'\n') if column == 0 => return Ok(Line::Blank(pos + 1)),
-            None | Some(b'\r' | b'\n') => return Err(too_few(names, column)),
-            _ => {}
-        }
-        match number(bytes, pos) {
-            Ok((value, end)) => {
-                *x = value;
-                pos = end;
-            }
-            Err(end) => return Err(no_number(&bytes[pos..end], names[column])),
-        }
-    }
-    while matches!(bytes.get(pos), Some(b' ' | b'\t' | b'\r')) {
-        pos += 1;
-    }
-    match bytes.get(pos) {
-        None => Ok(Line::Row(pos)),
-        Some(b'\n') => Ok(Line::Row(pos + 1)),
-        Some(_) => Err(too_many(names, &bytes[pos..])),
     }
 }
 
@@ -357,47 +276,6 @@ impl Fault {
             allowed: allowed.into(),
         }
     }
-}
-
-#[cold]
-fn no_number(found: &[u8], name: &str) -> Fault {
-    let found = if found.len() > MAX_LENGTH {
-        format!(
-            "{} without a blank for more than {MAX_LENGTH} bytes",
-            excerpt(found)
-        )
-    } else {
-        excerpt(found)
-    };
-    Fault::new(name, found, "a decimal number or nan")
-}
-
-#[cold]
-fn too_few<const N: usize>(names: &[&'static str; N], columns: usize) -> Fault {
-    let found = if columns == 1 {
-        "1 column".into()
-    } else {
-        format!("{columns} columns")
-    };
-    Fault::new(
-        "row",
-        found,
-        format!("{N} columns ({}); is the file truncated?", names.join(", ")),
-    )
-}
-
-#[cold]
-fn too_many<const N: usize>(names: &[&'static str; N], extra: &[u8]) -> Fault {
-    let end = extra
-        .iter()
-        .take(MAX_LENGTH)
-        .position(|&b| b == b'\n' || b == b'\r');
-    let extra = &extra[..end.unwrap_or(extra.len().min(MAX_LENGTH))];
-    Fault::new(
-        "row",
-        format!("{} after {N} columns", excerpt(extra)),
-        format!("{N} columns ({})", names.join(", ")),
-    )
 }
 
 /// UTF-8 where it is valid, Latin-1 otherwise (older instrument software writes it).
