@@ -105,7 +105,8 @@ def read(
     columns
         For the tables of others: gonio's name of a column (theta_i, phi_i, theta_s, phi_s, value; kind,
         quantity, channel, time where the table has them) to the name in the file. A name that is not given
-        stands for itself. Angles are degrees. Rows that share kind, quantity, channel and incidence make one
+        stands for itself; a finite number that names no column holds for every row. Angles are degrees, theta
+        extended: a negative one, or one past 180, lies on the opposite azimuth. Rows that share kind, quantity, channel and incidence make one
         scan.
     kind, quantity, channel
         For tables without such a column.
@@ -172,6 +173,15 @@ def _own(metadata: Mapping[str, str], table: pa.Table, *, source: str) -> list[S
     return scans
 
 
+def _number(text: str) -> float | None:
+    """The finite number that `text` spells, if it does."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if np.isfinite(number) else None
+
+
 def _mapped(
     table: pa.Table, columns: Mapping[str, str], given: Mapping[str, str | None], *, source: str
 ) -> list[Scan]:
@@ -189,6 +199,9 @@ def _mapped(
         return None
 
     def numbers(name: str) -> Array:
+        given = columns.get(name)
+        if given is not None and given not in table.column_names and (constant := _number(given)) is not None:
+            return np.full(table.num_rows, constant)
         values = column(name)
         if values is None:
             raise DomainError(
@@ -198,7 +211,7 @@ def _mapped(
         return np.asarray(values, dtype=np.float64)
 
     data = {name: numbers(name) for name in (*ANGLES, *READINGS)}
-    time = column("time")
+    time = numbers("time") if "time" in columns or "time" in table.column_names else None
     words: dict[str, Array | str] = {}
     for name in NAMES:
         values = column(name)
@@ -230,7 +243,7 @@ def _mapped(
                 theta_s=data["theta_s"][index],
                 phi_s=data["phi_s"][index],
                 value=data["value"][index],
-                time=None if time is None else np.asarray(time, dtype=np.float64)[index],
+                time=None if time is None else time[index],
                 meta={"source": source},
             )
         )

@@ -72,6 +72,31 @@ def test_a_foreign_table_is_split_by_incidence_and_channel(foreign):
     ]
 
 
+def test_a_foreign_table_reads_as_the_same_table_in_csv(tmp_path):
+    table = {"angle": [-60.0, 0.0, 60.0, 190.0], "brdf": [1.0, 2.0, 3.0, 4.0]}
+    pq.write_table(pa.table(table), tmp_path / "a.parquet")
+    rows = ["angle,brdf", *(f"{t},{v}" for t, v in zip(*table.values(), strict=True))]
+    (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
+    columns = {
+        "theta_i": "-10",
+        "phi_i": "0",
+        "theta_s": "angle",
+        "phi_s": "90",
+        "value": "brdf",
+        "time": "5",
+    }
+    scans = [
+        gonio.read(tmp_path / name, format=kind, columns=columns, quantity="bsdf", channel="532nm")[0]
+        for name, kind in (("a.parquet", None), ("a.csv", "table"))
+    ]
+    for s in scans:
+        assert (s.theta_i, s.phi_i) == (10, 180)
+        assert s.theta_s.tolist() == [60, 0, 60, 170]
+        assert s.phi_s.tolist() == [270, 90, 90, 270]
+        assert s.value.tolist() == [1, 2, 3, 4]
+        assert s.time.tolist() == [5, 5, 5, 5]
+
+
 @pytest.mark.parametrize(
     ("options", "error", "names"),
     [

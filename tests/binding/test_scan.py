@@ -23,6 +23,23 @@ def test_degrees_survive_the_seam(theta, phi):
         assert min(abs(p - phi), 360 - abs(p - phi)) < 1e-12
 
 
+@given(
+    theta=st.integers(0, 180 * 10**6),
+    phi=st.integers(0, 360 * 10**6 - 1),
+)
+def test_decimal_degrees_survive_the_seam_bit_for_bit(theta, phi):
+    theta, phi = theta / 10**6, phi / 10**6
+    s = scan(theta_i=theta, phi_i=phi, theta_s=[theta], phi_s=[phi], value=[1.0])
+    assert (s.theta_i, s.phi_i, s.theta_s[0], s.phi_s[0]) == (theta, phi, theta, phi)
+
+
+def test_extended_polar_angles_lie_on_the_opposite_azimuth():
+    s = scan(theta_i=-30, phi_i=0, theta_s=[-78.0, 190.0], phi_s=[0.0, 10.0])
+    assert (s.theta_i, s.phi_i) == (30, 180)
+    assert s.theta_s.tolist() == [78, 170]
+    assert s.phi_s.tolist() == [180, 190]
+
+
 def test_azimuths_come_back_canonical():
     assert scan(phi_s=[-90.0, 450.0]).phi_s == pytest.approx([270.0, 90.0])
 
@@ -46,10 +63,10 @@ def test_metadata_round_trips_and_unknown_fields_are_left_out():
 @pytest.mark.parametrize(
     ("changes", "names"),
     [
-        ({"theta_i": 181.0}, ("theta_i", "181", "0 to 180")),
-        ({"theta_i": float("nan")}, ("theta_i", "NaN", "0 to 180")),
-        ({"phi_i": float("inf")}, ("phi_i", "inf", "finite")),
-        ({"theta_s": [10.0, -1.0]}, ("theta_s of reading 2", "-1", "0 to 180")),
+        ({"theta_i": 271.0}, ("theta_i", "271", "-180 to 270")),
+        ({"theta_i": float("nan")}, ("theta_i", "NaN", "-180 to 270")),
+        ({"phi_i": float("inf")}, ("phi_i", "inf", "-360 to 720")),
+        ({"theta_s": [10.0, -181.0]}, ("theta_s of reading 2", "-181", "-180 to 270")),
         ({"value": [1.0]}, ("theta_s", "2 entries", "1, one a reading")),
         ({"kind": "lamp"}, ("kind", "lamp", "sample, beam, dark, standard")),
         ({"quantity": "watts"}, ("quantity", "watts", "signal")),

@@ -1,6 +1,7 @@
 //! Polar angles of a direction, canonical and extended.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
 use crate::Direction;
 
@@ -15,6 +16,12 @@ pub struct Angles {
     /// Azimuth from `x`, counter-clockwise seen from the front, radians, `[0, 2 pi)`.
     pub phi: f64,
 }
+
+/// Polar angles that a reading may state, degrees; canonical ones are 0 to 180.
+pub const EXTENDED_THETA: RangeInclusive<f64> = -180.0..=270.0;
+
+/// Azimuths that a reading may state, degrees; canonical ones are 0 to 360.
+pub const STATED_PHI: RangeInclusive<f64> = -360.0..=720.0;
 
 impl Angles {
     /// Canonical angles of any finite pair: `theta` is taken modulo `2 pi`; a `theta` past `pi` comes back on the
@@ -38,7 +45,25 @@ impl Angles {
         Angles::canonical(theta.to_radians(), phi.to_radians())
     }
 
-    /// `(theta, phi)` in degrees.
+    /// Canonical angles of a reading as files and scripts state it, in degrees: `theta` in [`EXTENDED_THETA`], where a
+    /// negative one or one past 180 lies on the opposite azimuth, `phi` in [`STATED_PHI`]. `None` outside, NaN included.
+    ///
+    /// Folded before the conversion to radians, where it is exact: -30 gives the bits of 30.
+    pub fn from_stated_degrees(theta: f64, phi: f64) -> Option<Self> {
+        if !EXTENDED_THETA.contains(&theta) || !STATED_PHI.contains(&phi) {
+            return None;
+        }
+        let (theta, phi) = if theta < 0.0 {
+            (-theta, phi + 180.0)
+        } else if theta > 180.0 {
+            (360.0 - theta, phi + 180.0)
+        } else {
+            (theta, phi)
+        };
+        Some(Angles::from_degrees(theta, phi.rem_euclid(360.0)))
+    }
+
+    /// `(theta, phi)` in degrees, as [`degrees`] gives them.
     pub fn to_degrees(self) -> (f64, f64) {
         (degrees(self.theta), degrees(self.phi))
     }
@@ -119,6 +144,27 @@ mod tests {
         assert_eq!(degrees(0.0).to_bits(), 0.0f64.to_bits());
         assert!(degrees(f64::NAN).is_nan());
         assert!(degrees(f64::MIN_POSITIVE) > 0.0);
+    }
+
+    #[test]
+    fn stated_angles_fold_exactly_and_end_at_their_ranges() {
+        let same = |a: (f64, f64), b: (f64, f64)| {
+            let [a, b] = [a, b].map(|(t, p)| Angles::from_stated_degrees(t, p));
+            assert!(a.is_some() && a == b, "{a:?} {b:?}");
+        };
+        same((-30.0, 0.0), (30.0, 180.0));
+        same((190.0, 10.0), (170.0, 190.0));
+        same((45.0, -90.0), (45.0, 270.0));
+        for (theta, phi) in [
+            (-180.5, 0.0),
+            (270.5, 0.0),
+            (0.0, -361.0),
+            (0.0, 721.0),
+            (f64::NAN, 0.0),
+            (0.0, f64::NAN),
+        ] {
+            assert_eq!(Angles::from_stated_degrees(theta, phi), None);
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ pub mod integrate;
 pub mod side;
 pub mod weights;
 
-pub use angles::{Angles, degrees};
+pub use angles::{Angles, EXTENDED_THETA, degrees};
 pub use delaunay::{Delaunay, DelaunayError};
 pub use direction::Direction;
 pub use glam::DVec3;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use gonio_bsdf::{Channel, Quantity};
-use gonio_geom::Angles;
+use gonio_geom::{Angles, EXTENDED_THETA};
 use gonio_scan::{Scan, ScanKind, ScanMeta};
 
 use crate::IoError;
@@ -86,25 +86,16 @@ impl Scans {
     }
 }
 
-/// Canonical angles of a direction in degrees, `theta` extended: -180 to 270, a negative one or one past 180 on the
-/// opposite azimuth.
+/// Canonical angles of a direction that a row states in degrees.
 ///
 /// # Errors
-/// Angles outside the range, NaN included.
+/// Angles outside the ranges of [`Angles::from_stated_degrees`].
 pub(crate) fn angles(row: &Row<'_>, names: [&str; 2], theta: f64, phi: f64) -> Result<Angles, IoError> {
-    if !(-180.0..=270.0).contains(&theta) {
-        return Err(row.fault(names[0], theta.to_string(), "-180 to 270 degrees"));
-    }
-    if !(-360.0..=720.0).contains(&phi) {
-        return Err(row.fault(names[1], phi.to_string(), "-360 to 720 degrees"));
-    }
-    // folded in degrees, where it is exact
-    let (theta, phi) = if theta < 0.0 {
-        (-theta, phi + 180.0)
-    } else if theta > 180.0 {
-        (360.0 - theta, phi + 180.0)
-    } else {
-        (theta, phi)
-    };
-    Ok(Angles::from_degrees(theta, phi.rem_euclid(360.0)))
+    Angles::from_stated_degrees(theta, phi).ok_or_else(|| {
+        if EXTENDED_THETA.contains(&theta) {
+            row.fault(names[1], phi.to_string(), "-360 to 720 degrees")
+        } else {
+            row.fault(names[0], theta.to_string(), "-180 to 270 degrees")
+        }
+    })
 }

@@ -1,6 +1,6 @@
 //! Columns across the seam: numpy arrays in degrees outside, vectors in radians inside.
 
-use gonio_geom::Angles;
+use gonio_geom::{Angles, EXTENDED_THETA};
 use numpy::{PyArray1, PyArrayLike1, PyArrayLikeDyn, TypeMustMatch};
 use pyo3::prelude::*;
 
@@ -51,6 +51,33 @@ pub(crate) fn canonical_columns(fields: [&str; 2], theta: &mut [f64], phi: &mut 
             return Err(domain(&field, *p, "a finite angle in degrees"));
         }
         let a = Angles::from_degrees(*t, *p);
+        (*t, *p) = (a.theta, a.phi);
+    }
+    Ok(())
+}
+
+/// Canonical radians of a direction that a reading states: `theta` in [-180, 270] (extended: beyond [0, 180] on the
+/// opposite azimuth), `phi` in [-360, 720].
+pub(crate) fn stated_angles(fields: [&str; 2], theta: f64, phi: f64) -> PyResult<Angles> {
+    Angles::from_stated_degrees(theta, phi).ok_or_else(|| {
+        if EXTENDED_THETA.contains(&theta) {
+            domain(fields[1], phi, "-360 to 720 degrees")
+        } else {
+            domain(fields[0], theta, "-180 to 270 degrees")
+        }
+    })
+}
+
+/// [`stated_angles`] of whole columns, in place; an error names the reading (counted from 1).
+pub(crate) fn stated_columns(fields: [&str; 2], theta: &mut [f64], phi: &mut [f64]) -> PyResult<()> {
+    for (j, (t, p)) in theta.iter_mut().zip(phi.iter_mut()).enumerate() {
+        let a = match Angles::from_stated_degrees(*t, *p) {
+            Some(a) => a,
+            None => {
+                let [theta, phi] = fields.map(|f| format!("{f} of reading {}", j + 1));
+                stated_angles([&theta, &phi], *t, *p)?
+            }
+        };
         (*t, *p) = (a.theta, a.phi);
     }
     Ok(())

@@ -9,12 +9,13 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Column, angles, canonical_columns, column, copied, degrees};
+use crate::arrays::{Column, column, copied, degrees, stated_angles, stated_columns};
 use crate::errors::{OrRaise, domain};
 
 /// One record as an instrument wrote it: the readings of one incidence and one channel.
 ///
-/// Angles are degrees, theta in [0, 180] from the front normal, phi in [0, 360). `value` is in the unit of
+/// Angles are degrees, theta in [0, 180] from the front normal, phi in [0, 360). The constructor also takes theta in
+/// [-180, 270] (a negative one, or one past 180, lies on the opposite azimuth) and phi in [-360, 720]. `value` is in the unit of
 /// `quantity`; NaN means no data. Arrays are copies.
 #[pyclass(frozen, module = "gonio", name = "Scan")]
 pub(crate) struct Scan(pub(crate) Arc<core::Scan>);
@@ -47,12 +48,12 @@ impl Scan {
         let n = Some(value.len());
         let mut theta_s = column("theta_s", &theta_s, n)?;
         let mut phi_s = column("phi_s", &phi_s, n)?;
-        canonical_columns(["theta_s", "phi_s"], &mut theta_s, &mut phi_s)?;
+        stated_columns(["theta_s", "phi_s"], &mut theta_s, &mut phi_s)?;
         Ok(core::Scan {
             kind: kind.parse::<core::ScanKind>().or_raise()?,
             quantity: quantity.parse::<Quantity>().or_raise()?,
             channel: channel.parse::<Channel>().or_raise()?,
-            incidence: angles(["theta_i", "phi_i"], theta_i, phi_i)?,
+            incidence: stated_angles(["theta_i", "phi_i"], theta_i, phi_i)?,
             theta_s,
             phi_s,
             value,
