@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,13 +28,22 @@ FORMATS = (*MODEL_FORMATS, *TABLE_FORMATS, "mountain")
 MOUNTAIN_INDEX = "index.csv"
 """Names the incidence and channel of each file of a Mountain export; marks the directory as one."""
 
+LOSS_THETA_I = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0)
+"""Degrees from the normal of the lit side: the incidences at which an export is compared with its model."""
+
 Component = tuple[str, str]
 """Side of incidence (front, back) and component (reflection, transmission)."""
 
 
 @dataclass(frozen=True)
 class Export:
-    """What was written where, and what the reduction of the model found (empty for tables)."""
+    """What was written where, and what the reduction of the model found and lost (empty for tables).
+
+    `report["loss"]` maps (side, component) to a dict of the comparison with the full model at the incidences
+    `LOSS_THETA_I`: rel_l1 (mean) and rel_l1_max of the integral of |df| cos over that of f cos, and
+    dhr_difference, the directional albedo of the reduced model less that of the full one where they differ
+    most. NaN where the model does not scatter.
+    """
 
     to: str
     out: Path
@@ -129,6 +139,7 @@ def export(
                 lambda: _native.to_tensor_tree(model, rank=rank, max_depth=max_depth, target=target, **shared)
             )
         progress("reducing", 1, 1)
+        report = dict(reduced.report) | {"loss": _loss(model, reduced, channel)}
         title = name if name is not None else (sample.sample_name if sample else None) or ""
         _native.write_radiance_xml(
             target_path,
@@ -139,7 +150,7 @@ def export(
             as_visible=as_visible,
         )
         notes = model.warnings if isinstance(model, _native.DataDriven) else []
-        return Export(to=to, out=target_path, report=dict(reduced.report), warnings=notes)
+        return Export(to=to, out=target_path, report=report, warnings=notes)
     if isinstance(source, Bsdf):
         raise QuantityError(f"source: found a model, needed a measurement to write {to}")
     measurement = _of_channel(loaded(source), channel)
@@ -170,6 +181,35 @@ def read_radiance(path: PathLike, *, channel: str = "photopic") -> Bsdf:
         The operating system refuses.
     """
     return interruptible(lambda: _native.read_radiance_xml(path, channel=channel))
+
+
+def _loss(
+    model: Bsdf, reduced: _native.Klems | _native.TensorTree, channel: str | None
+) -> dict[Component, dict[str, float]]:
+    """What the reduced model loses, by component; see `Export`."""
+    phi_i = (0.0,) if model.properties["isotropic"] else (0.0, 45.0, 90.0, 135.0)
+    losses: dict[Component, dict[str, float]] = {}
+    for side, component in reduced.components:
+        at = [
+            _native.reduction_loss(
+                model,
+                reduced,
+                theta_i=theta if side == "front" else 180.0 - theta,
+                phi_i=phi,
+                component=component,
+                channel=channel,
+            )
+            for theta in LOSS_THETA_I
+            for phi in phi_i
+        ]
+        rel_l1 = [one["rel_l1"] for one in at if math.isfinite(one["rel_l1"])]
+        differences = [one["albedo_reduced"] - one["albedo_model"] for one in at]
+        losses[side, component] = {
+            "rel_l1": sum(rel_l1) / len(rel_l1) if rel_l1 else math.nan,
+            "rel_l1_max": max(rel_l1, default=math.nan),
+            "dhr_difference": max(differences, key=abs),
+        }
+    return losses
 
 
 def _model(

@@ -5,6 +5,7 @@ import numpy as np
 import pyarrow.csv
 import pyarrow.parquet as pq
 import pytest
+from gonio import _native
 
 from tests.cli.conftest import listing, one_clear_error
 from tests.cli.test_build import lambertian
@@ -22,10 +23,38 @@ def test_a_radiance_file_holds_the_constant_it_was_made_from(run, measured, tmp_
     assert done.code == 0, done.err
     found = json.loads(done.out)
     assert found["report"]["max_albedo"] == pytest.approx(0.5, rel=2e-3)
+    loss = found["report"]["loss"]["front-reflection"]
+    assert loss["rel_l1"] <= loss["rel_l1_max"] < 2e-3
+    assert abs(loss["dhr_difference"]) < 1e-3
     model = gonio.read_radiance(tmp_path / "out.xml")
     f = model.eval(theta_i=[10.0, 50.0], phi_i=0.0, theta_s=30.0, phi_s=[120.0, 200.0])
     np.testing.assert_allclose(f, 0.5 / np.pi, rtol=2e-3)
     assert listing(tmp_path) == ["m", "out.xml"]
+
+
+def test_the_loss_of_a_narrow_lobe_is_told_and_shrinks_with_finer_patches(run, tmp_path):
+    lobe = {"model": "ward_gmd", "rho": 0.5, "alpha_x": 0.1, "alpha_y": 0.1, "phi_x": 0.0}
+    model = _native.analytic([lobe])
+    # midpoints of equal projected solid angle
+    theta_s = np.degrees(np.arcsin(np.sqrt((np.arange(300) + 0.5) / 300)))[:, None]
+    pairs = {"theta_i": 45.0, "phi_i": 0.0, "theta_s": theta_s, "phi_s": np.arange(0.5, 360)}
+    losses = []
+    for basis in ("quarter", "half", "full"):
+        written = gonio.export(model, to="radiance-klems", basis=basis, out=tmp_path / f"{basis}.xml")
+        loss = written.report["loss"]["front", "reflection"]
+        reduced = gonio.read_radiance(tmp_path / f"{basis}.xml")
+        f, g = model.eval(**pairs), reduced.eval(**pairs)
+        assert abs(np.mean(g - f)) * np.pi <= abs(loss["dhr_difference"]) + 1e-3
+        assert np.sum(abs(g - f)) / np.sum(f) <= loss["rel_l1_max"] + 1e-3
+        losses.append(loss["rel_l1"])
+    assert losses[0] > losses[1] > losses[2] > 0.2
+
+
+def test_loss_and_albedo_are_printed(run, measured):
+    done = run("export", measured, "--to", "radiance-klems", "--basis", "quarter", "-o", "out.xml")
+    assert "largest directional albedo 0.5" in done.out
+    assert "front reflection: differs from the full model by 0.0" in done.out
+    assert "DHR by at most" in done.out
 
 
 def test_a_single_wavelength_is_rendered_only_as_visible(run, tmp_path):

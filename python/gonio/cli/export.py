@@ -65,13 +65,22 @@ def export(
         )
     warn(written.warnings)
     if json:
-        report = {_text(key): value for key, value in written.report.items()}
+        report = _texts(written.report)
         print_json({"to": written.to, "out": written.out, "report": report, "warnings": written.warnings})
         return
     out.print(f"{written.out}")
     albedo = written.report.get("max_albedo")
     if albedo is not None:
         out.print(f"  largest directional albedo {albedo:.4f}")
+    for (side, kind), loss in written.report.get("loss", {}).items():
+        quantity = "DHR" if kind == "reflection" else "DHT"
+        out.print(
+            f"  {side} {kind}: differs from the full model by {100 * loss['rel_l1']:.2f} % relative L1 "
+            f"(largest {100 * loss['rel_l1_max']:.2f} %), {quantity} by at most {loss['dhr_difference']:+.4f}"
+        )
+    capped = written.report.get("capped")
+    if capped:
+        out.print(f"  {len(capped)} incident patches scaled down to albedo 1")
 
 
 def _component(text: str) -> tuple[str, str]:
@@ -81,5 +90,11 @@ def _component(text: str) -> tuple[str, str]:
     return side, component
 
 
-def _text(key: object) -> str:
-    return "-".join(map(str, key)) if isinstance(key, tuple) else str(key)
+def _texts(value: object) -> object:
+    """The same with every tuple that is a key as text: front-reflection."""
+    if not isinstance(value, dict):
+        return value
+    return {
+        "-".join(map(str, key)) if isinstance(key, tuple) else str(key): _texts(inner)
+        for key, inner in value.items()
+    }
