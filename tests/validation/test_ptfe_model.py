@@ -1,13 +1,11 @@
 """The data-driven model on NIST's sintered PTFE [Germer2017]."""
 
-import os
-from pathlib import Path
-
 import gonio
 import numpy as np
 import pytest
 
-SHARED = Path(os.environ.get("GONIO_SHARED_DATA", Path(__file__).parents[2].parent / "shared" / "data"))
+from .places import SHARED
+
 FOLDER = SHARED / "nist-ptfe-mountain"
 
 
@@ -24,14 +22,24 @@ def model(measurement):
     return gonio.build(measurement)
 
 
-def test_every_interior_incidence_is_predicted_from_the_others_within_two_per_cent(model):
+@pytest.mark.parametrize("wavelength", [351, 532, 633, 1064])
+def test_every_interior_incidence_is_predicted_from_the_others_within_two_per_cent(wavelength):
+    files = sorted(FOLDER.glob(f"ptfe_{wavelength}nm_i*.txt"))
+    if not files:
+        pytest.skip(f"no NIST PTFE data in {FOLDER}")
+    model = gonio.build(gonio.process(files))
     errors = {round(e["theta_i"]): e["rel_rms"] for e in model.loo}
     assert set(errors) == {15, 30, 45, 60}
     assert max(errors.values()) <= 0.02
 
 
+def test_the_cubic_over_incidence_halves_the_largest_error_of_the_linear_one(measurement, model):
+    linear = gonio.build(measurement, candidate="naive")
+    assert model.loo_error <= 0.6 * linear.loo_error
+
+
 def test_a_matte_sample_is_interpolated_without_moving_it(model):
-    assert model.summary[0]["candidate"] == "naive"
+    assert model.summary[0]["candidate"] == "naive, cubic"
     assert model.summary[0]["bilateral"]
 
 

@@ -81,6 +81,17 @@ pub(crate) fn part(
     let all: Vec<Candidate> = options.candidate.map_or(Candidate::ALL.to_vec(), |c| vec![c]);
     let mut tried: Vec<(Candidate, Vec<LooError>)> = all.into_iter().map(|c| (c, folds(c))).collect();
     let score = |loo: &[LooError]| loo.iter().map(|e| e.rel_l1).sum::<f64>() / loo.len() as f64;
+    if isotropic && options.candidate.is_none() {
+        // the way over incidence matters less than the way the lobe moves: it is chosen last
+        let best = tried
+            .iter()
+            .filter(|(_, loo)| !loo.is_empty())
+            .min_by(|a, b| score(&a.1).total_cmp(&score(&b.1)));
+        if let Some((best, _)) = best {
+            let cubic = best.with_cubic();
+            tried.push((cubic, folds(cubic)));
+        }
+    }
     let scores: Vec<(Candidate, f64)> = tried
         .iter()
         .filter(|(_, loo)| !loo.is_empty())

@@ -57,7 +57,7 @@ pub struct PartSummary {
     pub bilateral: bool,
     /// The interpolation over incidence.
     pub candidate: Candidate,
-    /// Mean leave-one-incidence-out relative L1 error of every candidate; empty with fewer than three incidences.
+    /// Mean leave-one-incidence-out relative L1 error of every candidate tried (the cubic of the best one only); empty with fewer than three incidences.
     pub scores: Vec<(Candidate, f64)>,
 }
 

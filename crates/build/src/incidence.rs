@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use gonio_geom::DVec3;
 
-use crate::layout::{Layout, Near};
+use crate::layout::{Layout, Near, Neighbour};
 use crate::node::Node;
 use crate::slice_surface::Coverage;
 use crate::warp::{Candidate, Warp};
@@ -59,6 +59,46 @@ impl Part {
     #[inline]
     pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
         let (i, s) = self.layout.frame(i, s);
+        if self.candidate.cubic
+            && let Some((value, fade)) = self.cubic(i, s)
+        {
+            return if fade < 1.0 {
+                fade * value.max(0.0) + (1.0 - fade) * self.linear(i, s)
+            } else {
+                value.max(0.0)
+            };
+        }
+        self.linear(i, s)
+    }
+
+    /// The limited cubic over incidence, and how far it holds: 0 where a counterpart is not visible, `None` where
+    /// there is no incidence beyond the two around `i`.
+    #[inline]
+    fn cubic(&self, i: DVec3, s: DVec3) -> Option<(f64, f64)> {
+        let (theta, stencil) = self.layout.stencil(i)?;
+        let moved = self.candidate.warp != Warp::Identity;
+        let mut visible = 1.0f64;
+        let mut value = |k: Neighbour| {
+            let node = &*self.nodes[k.node];
+            let level = if self.candidate.base_split { node.base } else { 0.0 };
+            let at = self.candidate.warp.counterpart(i, s, k.turn(node.direction));
+            if moved {
+                visible = visible.min(fade(at.direction.z));
+                if visible == 0.0 {
+                    return 0.0;
+                }
+            }
+            level + at.factor * (node.value(k.turn(at.direction)) - level)
+        };
+        let between = stencil.between.map(|k| value(k.node));
+        let before = stencil.before.map(|k| value(k.node));
+        let after = stencil.after.map(|k| value(k.node));
+        Some((stencil.interpolate(theta, before, between, after), visible))
+    }
+
+    /// Linear over incidence.
+    #[inline]
+    fn linear(&self, i: DVec3, s: DVec3) -> f64 {
         let near = self.layout.near(i);
         let moved = self.candidate.warp != Warp::Identity;
         let (mut base, mut lobe, mut visible) = (0.0, 0.0, 0.0);

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use gonio_geom::DVec3;
 
+use crate::cubic::Stencil;
 use crate::mesh::Mesh;
 use crate::plane::{Point, to_plane};
 
 /// An incidence this close to the normal (radians) is the normal: 0.1 degrees.
-const NORMAL: f64 = 0.1 * std::f64::consts::PI / 180.0;
+pub(crate) const NORMAL: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// How the measured incidences lie.
 #[derive(Clone, Debug)]
@@ -38,6 +39,15 @@ pub(crate) struct Neighbour {
 }
 
 impl Neighbour {
+    /// A node that answers alone.
+    pub(crate) fn whole(node: usize, turned: bool) -> Self {
+        Neighbour {
+            node,
+            weight: 1.0,
+            turned,
+        }
+    }
+
     /// A direction between the query's frame and the slice's.
     #[inline]
     pub(crate) fn turn(&self, v: DVec3) -> DVec3 {
@@ -118,6 +128,16 @@ impl Layout {
             Layout::Isotropic(thetas) => near_polar(thetas, polar(i)),
             Layout::Anisotropic(a) => a.near(i),
         }
+    }
+
+    /// The polar angle of an incidence and those around it; `None` in anisotropic layout, and past the data.
+    #[inline]
+    pub(crate) fn stencil(&self, i: DVec3) -> Option<(f64, Stencil)> {
+        let Layout::Isotropic(thetas) = self else {
+            return None;
+        };
+        let theta = polar(i);
+        Some((theta, Stencil::new(thetas, theta)?))
     }
 
     /// Angle to the nearest measured incidence, radians.

@@ -11,7 +11,8 @@ mod readings;
 mod smoothing;
 mod table;
 
-pub mod data_driven;
+pub mod cubic;
+mod data_driven;
 pub mod error;
 pub mod leave_one_out;
 pub mod reduce;

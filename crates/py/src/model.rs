@@ -161,13 +161,11 @@ fn build(
 }
 
 fn candidate_of(name: &str) -> PyResult<core::Candidate> {
-    core::Candidate::ALL
-        .into_iter()
-        .find(|c| c.name() == name)
-        .ok_or_else(|| {
-            let names = core::Candidate::ALL.map(core::Candidate::name).join(", ");
-            domain("candidate", format!("{name:?}"), &names)
-        })
+    let all = core::Candidate::ALL.map(|c| [c, c.with_cubic()]).concat();
+    all.iter().find(|c| c.name() == name).copied().ok_or_else(|| {
+        let names: Vec<_> = all.iter().map(|c| c.name()).collect();
+        domain("candidate", format!("{name:?}"), &names.join("; "))
+    })
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -55,6 +55,8 @@ pub struct Candidate {
     pub warp: Warp,
     /// Whether the diffuse base is taken off before the lobe is moved, and interpolated apart.
     pub base_split: bool,
+    /// Whether values are a limited cubic of the polar angle of incidence, not linear in it (isotropic samples).
+    pub cubic: bool,
 }
 
 impl Candidate {
@@ -66,10 +68,12 @@ impl Candidate {
         Candidate {
             warp: Warp::Mirror,
             base_split: false,
+            cubic: false,
         },
         Candidate {
             warp: Warp::Identity,
             base_split: false,
+            cubic: false,
         },
     ];
 
@@ -77,11 +81,28 @@ impl Candidate {
         Candidate {
             warp,
             base_split: true,
+            cubic: false,
         }
     }
 
-    /// Name used in reports.
+    /// The same with the limited cubic over incidence.
+    pub const fn with_cubic(self) -> Self {
+        Candidate { cubic: true, ..self }
+    }
+
+    /// Name used in reports and options.
     pub fn name(self) -> &'static str {
+        if self.cubic {
+            return match (self.warp, self.base_split) {
+                (Warp::Identity, _) => "naive, cubic",
+                (Warp::Mirror, false) => "mirror-frame, cubic",
+                (Warp::Mirror, true) => "base + mirror-frame, cubic",
+                (Warp::HalfVector, false) => "half-vector, cubic",
+                (Warp::HalfVector, true) => "base + half-vector, cubic",
+                (Warp::CosineShift, false) => "cosine-shift, cubic",
+                (Warp::CosineShift, true) => "base + cosine-shift, cubic",
+            };
+        }
         match (self.warp, self.base_split) {
             (Warp::Identity, _) => "naive",
             (Warp::Mirror, false) => "mirror-frame",
