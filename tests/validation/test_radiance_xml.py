@@ -4,47 +4,10 @@ import numpy as np
 import pytest
 from gonio import _native
 
+from .radiance import FILES, MODELS, differences
+
 # RADIANCE perturbs what it looks up on purpose: matrices by 3e-4, trees by 2e-4
 PERTURBATION = 5e-4
-
-LAMBERT = {"model": "lambert", "component": "reflection", "albedo": 0.3}
-MODELS = {
-    "isotropic": [LAMBERT, {"model": "ward_gmd", "rho": 0.2, "alpha_x": 0.15, "alpha_y": 0.15, "phi_x": 0.0}],
-    "anisotropic": [
-        LAMBERT,
-        {"model": "ward_gmd", "rho": 0.25, "alpha_x": 0.1, "alpha_y": 0.3, "phi_x": 20.0},
-    ],
-    "transmitting": [
-        {"model": "lambert", "component": "reflection", "albedo": 0.3},
-        {"model": "transmission_lobe", "tau": 0.4, "alpha": 0.2},
-    ],
-}
-FILES = [
-    "lbnl-wincalc/2011-SA1.XML",
-    "lbnl-afc-shades/e-screen-5pct-white.xml",
-    "nist-ptfe-mountain/oracle_radiance_ptfe532_klems.xml",
-    "nist-ptfe-mountain/oracle_radiance_ptfe532_t3.xml",
-]
-
-
-def pairs(n, seed):
-    """n pairs of directions uniform in projected solid angle on both sides, degrees."""
-    rng = np.random.default_rng(seed)
-    theta = np.degrees(np.arcsin(np.sqrt(rng.random((2, n)))))
-    theta = np.where(rng.random((2, n)) < 0.5, theta, 180 - theta)
-    phi = rng.uniform(0, 360, (2, n))
-    return theta[0], phi[0], theta[1], phi[1]
-
-
-def differences(radiance, path, model, seed=1, n=4000):
-    """Relative differences from RADIANCE over random pairs of both sides, and our values."""
-    handle = radiance.load(path)
-    ti, pi, ts, ps = pairs(n, seed)
-    ours = model.eval(theta_i=ti, phi_i=pi, theta_s=ts, phi_s=ps)
-    theirs = np.array([radiance.query(handle, *row) for row in zip(ti, pi, ts, ps, strict=True)])
-    assert np.all((ours > 0) == (theirs > 0)), "one scatters where the other does not"
-    lit = ours > 0
-    return np.abs(ours[lit] / theirs[lit] - 1), ours[lit]
 
 
 @pytest.mark.parametrize("file", FILES)
