@@ -22,8 +22,8 @@ Made by `python -m tests.validation nist-ptfe` from the readings published with 
 
 ## Directional-hemispherical reflectance
 
-u is the standard uncertainty of quadrature and extrapolation, k = 1; NIST states that of the readings apart. The
-extrapolated share is the part of DHR from directions that no reading surrounds.
+u is the standard uncertainty gonio states for the integral, k = 1: noise of the readings, quadrature, extrapolation. What
+NIST states for all readings in common (its reference) is not in it. The extrapolated share is the part of DHR from directions that no reading surrounds.
 
 {dhr}
 ## Incidences left out

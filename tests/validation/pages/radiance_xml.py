@@ -19,7 +19,7 @@ Made by `python -m tests.validation radiance-xml`. 4000 pairs of directions, bot
 (fixed seed); relative difference of gonio's value from that of RADIANCE's library (pyradiance {version}) for the same
 file, over the pairs that scatter. RADIANCE changes what it looks up on purpose, by up to 3·10⁻⁴ for matrices and
 2·10⁻⁴ for trees. Both agree which pairs scatter. A direction within rounding of the edge of a patch or cell may fall
-on either side of it: that is the largest difference.
+on either side of it, so that a rare pair may differ by more.
 
 ## Files of others, read
 
@@ -28,7 +28,7 @@ on either side of it: that is the largest difference.
 
 {written}"""
 
-HEAD = ["", "pairs that scatter", "median", "99 %", "99.8 %", "largest"]
+HEAD = ["file", "pairs that scatter", "median", "99 %", "99.8 %", "largest"]
 
 
 def row(name: str, radiance: Radiance, path: Path, model: Any) -> list[str]:
