@@ -80,22 +80,26 @@ impl Shape {
                 at += 1;
             }
             let start = at;
-            let mut digits = Vec::new();
+            let gather = &mut shape.gather[column];
+            let mut count = 0;
             let mut point = None;
             loop {
                 match byte(at) {
-                    b'0'..=b'9' => digits.push((at - start) as u8),
-                    b'.' if point.is_none() => point = Some(digits.len()),
+                    b'0'..=b'9' => {
+                        *gather.get_mut(count)? = (at - start) as u8;
+                        count += 1;
+                    }
+                    b'.' if point.is_none() => point = Some(count),
                     _ => break,
                 }
                 at += 1;
             }
-            if digits.is_empty() || digits.len() > DIGITS || at - start > DIGITS {
+            if count == 0 || at - start > DIGITS {
                 return None;
             }
+            gather.rotate_right(DIGITS - count);
             shape.starts[column] = start as u8;
-            shape.gather[column][DIGITS - digits.len()..].copy_from_slice(&digits);
-            let fraction = digits.len() - point.unwrap_or(digits.len());
+            let fraction = count - point.unwrap_or(count);
             shape.divisors[column] = POWERS[fraction];
             shape.fraction = fraction as i64;
         }
