@@ -106,8 +106,8 @@ def read(
         For the tables of others: gonio's name of a column (theta_i, phi_i, theta_s, phi_s, value; kind,
         quantity, channel, time where the table has them) to the name in the file. A name that is not given
         stands for itself; a finite number that names no column holds for every row. Angles are degrees, theta
-        extended: a negative one, or one past 180, lies on the opposite azimuth. Rows that share kind, quantity,
-        channel and incidence make one scan.
+        extended: a negative one, or one past 180, lies on the opposite azimuth. Rows that share kind,
+        quantity, channel and incidence make one scan.
     kind, quantity, channel
         For tables without such a column.
 
