@@ -182,6 +182,7 @@ def plot_dhr(measurement: MeasurementLike, *, ax: Axes | None = None) -> Axes:
             series.setdefault(key, []).append(point)
     channels = {key[1] for key in series}
     azimuths = {key[2] for key in series}
+    extrapolated = False
     for number, (component, name, phi) in enumerate(sorted(series)):
         theta, value, u, measured = np.array(sorted(series[component, name, phi])).T
         words = ["DHR" if component == "reflection" else "DHT"]
@@ -199,9 +200,12 @@ def plot_dhr(measurement: MeasurementLike, *, ax: Axes | None = None) -> Axes:
             markersize=5,
             label=" ".join(words),
         )
-        ax.plot(theta, measured, "o", markerfacecolor="none", markeredgecolor=colour, markersize=5)
-    if series:
+        if not np.allclose(measured, value, rtol=5e-5, atol=0.0):
+            ax.plot(theta, measured, "o", markerfacecolor="none", markeredgecolor=colour, markersize=5)
+            extrapolated = True
+    if extrapolated:
         ax.plot([], [], "o", markerfacecolor="none", markeredgecolor=figures.QUIET, label="measured part")
+    if series:
         ax.legend(frameon=False, fontsize="small")
     ax.set(xlabel="Angle of incidence θi [deg]", ylabel="DHR, DHT [1], ± k·u with k = 2")
     ax.set_title(measurement.sample_name or "unnamed sample", fontsize="medium", loc="left")

@@ -53,12 +53,12 @@ def rounded(value: float, digits: int) -> float:
 
 
 def angle(degrees: float) -> str:
-    """Write an angle in degrees to 0.001, without trailing zeros.
+    """Write an angle in degrees to 0.01, without trailing zeros.
 
     >>> angle(15.000000001)
     '15'
     """
-    return _minus(f"{round(degrees, 3) + 0.0:g}")
+    return _minus(f"{round(degrees, 2) + 0.0:g}")
 
 
 def percent(fraction: float, digits: int = 2, *, sign: bool = False) -> str:

@@ -14,12 +14,12 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def in_symbols(sentence: str) -> str:
-    """Write angles, powers of ten, minus signs and wavelengths of a sentence as a printed page does.
+    r"""Write angles, powers of ten, minus signs and wavelengths of a sentence as a printed page does.
 
     >>> in_symbols("floor 1.5e-4 1/sr (532nm at theta_i 8.00, phi_i 0.00 deg), ends 1.6 deg above")
-    'floor 1.5·10⁻⁴ 1/sr (532 nm at θi 8°, φi 0°), ends 1.6° above'
+    'floor 1.5·10⁻⁴ 1/sr (532\xa0nm at θi\xa08°, φi\xa00°), ends 1.6° above'
     """
-    text = _DIRECTION.sub(lambda m: f"θ{m[1]} {_degrees(m[2])}, φ{m[1]} {_degrees(m[3])}", sentence)
+    text = _DIRECTION.sub(lambda m: f"θ{m[1]}\u00a0{_degrees(m[2])}, φ{m[1]}\u00a0{_degrees(m[3])}", sentence)
     text = _DEGREES.sub("°", text)
     text = _POWER.sub(lambda m: f"{m[1]}·10{str(int(m[2])).translate(_RAISED)}", text)
     return _WAVELENGTH.sub("\\1\u00a0nm", _MINUS.sub("−", text))

@@ -41,7 +41,9 @@ Gonio.palette = () => {
 
 Gonio.channelColour = (name, k, p) => {
   const known = { red: "#c8323c", green: "#2f8f4e", blue: "#3367d6" };
-  const others = [p.data, "#c2560a", "#7b4fa3", "#14704f", "#8a6d00", "#b0206a"];
+  const others = matchMedia("screen and (prefers-color-scheme: dark)").matches
+    ? [p.data, "#f7a35c", "#c29be8", "#5cc79a", "#d9bd4a", "#ff7ab8"]
+    : [p.data, "#c2560a", "#7b4fa3", "#14704f", "#8a6d00", "#b0206a"];
   return known[name] || others[k % others.length];
 };
 

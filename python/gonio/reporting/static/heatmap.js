@@ -75,7 +75,7 @@ Gonio.belowFloor = (z, grid, floor, state) => z.map((row, iy) => row.map((v, ix)
 }));
 
 // A colour bar below the maps leaves them the whole width.
-Gonio.lyingBar = (bar) => Object.assign({ orientation: "h", thickness: 11, len: .7, y: -0.01, yanchor: "top", outlinewidth: 0 }, bar, { title: { text: bar.title.text, side: "bottom" } });
+Gonio.lyingBar = (bar) => Object.assign({ orientation: "h", thickness: 11, len: .7, y: -0.02, yanchor: "top", outlinewidth: 0 }, bar, { title: { text: bar.title.text, side: "top", font: { size: 12 } }, tickfont: { size: 11 } });
 
 Gonio.mapLabel = (x, y, side, v) => {
   const r = Math.min(1, Math.hypot(x, y)), z = 1 - r * r, theta = Math.acos(Math.max(-1, Math.min(1, z))) * 180 / Math.PI;

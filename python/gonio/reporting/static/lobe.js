@@ -60,7 +60,7 @@ Gonio.drawLobe = (s, state) => {
     margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: "lobe",
     scene: {
       xaxis: Object.assign({ range: [-1.3, 1.3] }, none), yaxis: Object.assign({ range: [-1.3, 1.3] }, none), zaxis: Object.assign({ range: [back ? -1.3 : -0.25, front ? 1.3 : 0.25] }, none), aspectmode: "data",
-      camera: { eye: { x: 1.24 * Math.cos(turn) + .3 * Math.cos(turn + 1.57), y: 1.24 * Math.sin(turn) + .3 * Math.sin(turn + 1.57), z: back && front ? .45 : back ? -.5 : .6 }, center: { x: 0, y: 0, z: back && front ? 0 : back ? 0.1 : -0.1 } }, uirevision: "lobe",
+      camera: { eye: { x: 1.3 * Math.cos(turn) + .3 * Math.cos(turn + 1.57), y: 1.3 * Math.sin(turn) + .3 * Math.sin(turn + 1.57), z: back && front ? .45 : back ? -.5 : .6 }, center: { x: 0, y: 0, z: back && front ? 0 : back ? 0.1 : -0.1 } }, uirevision: "lobe",
     },
   }), Object.assign({}, Gonio.CONFIG, { toImageButtonOptions: { format: "png", scale: 2, filename: "gonio-lobe" } }));
   if (!range.positive) caption.textContent = "No reading is positive, so there is no lobe to draw; the directions are shown for orientation.";
@@ -87,19 +87,20 @@ Gonio.lobeFrame = (s, range, log, p) => {
     });
   }
   traces.push({ type: "scatter3d", mode: "lines", x: ring.x, y: ring.y, z: ring.z, line: { color: p.quiet, width: 1.5 }, opacity: .55, hoverinfo: "skip" });
-  text.x.push(1.16); text.y.push(0); text.z.push(0); text.t.push("φ = 0°");
+  text.x.push(1.05); text.y.push(0); text.z.push(0); text.t.push("φ = 0°");
   traces.push({ type: "scatter3d", mode: "lines", x: [1, 1.09], y: [0, 0], z: [0, 0], line: { color: p.ink, width: 3 }, hoverinfo: "skip" });
+  const place = text.t.map((_, k) => (k === text.t.length - 1 ? "bottom center" : "middle center"));
   for (const m of Gonio.landmarks(s)) {
     if (m.name === "through" && !s.sides.some((side) => side.component === "transmission")) continue;
     if (m.name === "mirror" && !s.sides.some((side) => side.component === "reflection")) continue;
-    const [x, y, z] = Gonio.vector(m.theta, m.phi), to = 1.2;
+    const [x, y, z] = Gonio.vector(m.theta, m.phi), to = 1.1;
     const colour = m.name === "incidence" ? p.negative : p.ink;
     traces.push({ type: "scatter3d", mode: "lines", x: [0, to * x], y: [0, to * y], z: [0, to * z], line: { color: colour, width: m.name === "incidence" ? 5 : 3, dash: m.dash }, hoverinfo: "skip" });
     if (m.name === "incidence") traces.push({ type: "cone", x: [.62 * x], y: [.62 * y], z: [.62 * z], u: [-x], v: [-y], w: [-z], sizemode: "absolute", sizeref: .12, anchor: "center", showscale: false, colorscale: [[0, colour], [1, colour]], hoverinfo: "skip" });
-    const same = text.t.findIndex((_, k) => Math.hypot(text.x[k] - 1.27 * x, text.y[k] - 1.27 * y, text.z[k] - 1.27 * z) < .05);
+    const same = text.t.findIndex((_, k) => Math.hypot(text.x[k] - 1.17 * x, text.y[k] - 1.17 * y, text.z[k] - 1.17 * z) < .05);
     if (same >= 0) text.t[same] += " = " + m.name;
-    else { text.x.push(1.27 * x); text.y.push(1.27 * y); text.z.push(1.27 * z); text.t.push(m.name); }
+    else { text.x.push(1.17 * x); text.y.push(1.17 * y); text.z.push(1.17 * z); text.t.push(m.name); place.push("middle center"); }
   }
-  traces.push({ type: "scatter3d", mode: "text", x: text.x, y: text.y, z: text.z, text: text.t, textfont: { size: 12, color: p.ink }, hoverinfo: "skip" });
+  traces.push({ type: "scatter3d", mode: "text", x: text.x, y: text.y, z: text.z, text: text.t, textposition: place, textfont: { size: 12, color: p.ink }, hoverinfo: "skip" });
   return traces;
 };

@@ -18,6 +18,12 @@ Gonio.show = () => {
   if (!s) return;
   Gonio.drawProfile(s, state);
   Gonio.drawMap(s, state);
+  clearTimeout(Gonio.lobeTimer);
+  Gonio.lobeTimer = setTimeout(() => Gonio.showLobe(s, { ...state }), 20);
+};
+
+// The lobe follows when the flat figures are on the screen: it takes the longest, above all without a graphics card.
+Gonio.showLobe = (s, state) => {
   const lobe = Gonio.drawLobe(s, state);
   if (lobe) Gonio.keepForPrint(lobe);
 };
