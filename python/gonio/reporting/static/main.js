@@ -18,8 +18,8 @@ Gonio.show = () => {
   if (!s) return;
   Gonio.drawProfile(s, state);
   Gonio.drawMap(s, state);
-  clearTimeout(Gonio.lobeTimer);
-  Gonio.lobeTimer = setTimeout(() => Gonio.showLobe(s, { ...state }), 20);
+  const turn = Gonio.turn = (Gonio.turn || 0) + 1;
+  requestAnimationFrame(() => setTimeout(() => { if (turn === Gonio.turn) Gonio.showLobe(s, { ...state }); }, 0));
 };
 
 // The lobe follows when the flat figures are on the screen: it takes the longest, above all without a graphics card.
