@@ -54,8 +54,8 @@ fn parabola(v: &[f64]) -> f64 {
     }
 }
 
-/// Magnitude of the DSF's gradient over the sphere at every reading, 1/(sr rad): the area-weighted mean of the
-/// gradients of the triangles around it. Zero where a reading has no triangle.
+/// Magnitude of the DSF's gradient over the sphere at every reading, 1/(sr rad), see [`gradients`]. Zero where
+/// a reading has no triangle.
 pub(crate) fn gradient(slice: &Slice) -> Vec<f64> {
     let mut out = vec![0.0; slice.len()];
     for side in Side::BOTH {
@@ -63,36 +63,46 @@ pub(crate) fn gradient(slice: &Slice) -> Vec<f64> {
             .filter(|&j| slice.flags[j].usable() && slice.direction(j).side() == side)
             .collect();
         let points: Vec<DVec3> = members.iter().map(|&j| slice.direction(j).vec()).collect();
+        let values: Vec<f64> = members.iter().map(|&j| slice.dsf[j]).collect();
         let Ok(mesh) = Delaunay::new(&points, side) else {
             continue;
         };
-        let mut sum = vec![DVec3::ZERO; points.len()];
-        let mut area = vec![0.0; points.len()];
-        for t in mesh.triangles() {
-            let [a, b, c] = t.map(|k| points[k as usize]);
-            let [fa, fb, fc] = t.map(|k| slice.dsf[members[k as usize]]);
-            let normal = (b - a).cross(c - a);
-            let double = normal.length();
-            if double <= 0.0 {
-                continue;
-            }
-            // Gradient of the linear function on the flat triangle, times twice its area.
-            let g = normal.cross(c - b) * fa + normal.cross(a - c) * fb + normal.cross(b - a) * fc;
-            for k in t {
-                sum[*k as usize] += g / double;
-                area[*k as usize] += double;
-            }
-        }
-        for (k, &j) in members.iter().enumerate() {
-            if area[k] > 0.0 {
-                out[j] = sum[k].length() / area[k];
-            }
-        }
-        for &(copy, vertex) in mesh.copies() {
-            out[members[copy as usize]] = out[members[vertex as usize]];
+        for (slope, &j) in gradients(&mesh, &points, &values).iter().zip(&members) {
+            out[j] = slope.length();
         }
     }
     out
+}
+
+/// Gradient of `values` over the sphere at every point: the mean of the gradients of the flat triangles around it,
+/// weighted with their areas. Zero at a point without a triangle.
+pub(crate) fn gradients(mesh: &Delaunay, points: &[DVec3], values: &[f64]) -> Vec<DVec3> {
+    let mut sum = vec![DVec3::ZERO; points.len()];
+    let mut area = vec![0.0; points.len()];
+    for t in mesh.triangles() {
+        let [a, b, c] = t.map(|k| points[k as usize]);
+        let [fa, fb, fc] = t.map(|k| values[k as usize]);
+        let normal = (b - a).cross(c - a);
+        let double = normal.length();
+        if double <= 0.0 {
+            continue;
+        }
+        // Gradient of the linear function on the flat triangle, times twice its area.
+        let g = normal.cross(c - b) * fa + normal.cross(a - c) * fb + normal.cross(b - a) * fc;
+        for k in t {
+            sum[*k as usize] += g / double;
+            area[*k as usize] += double;
+        }
+    }
+    for (g, a) in sum.iter_mut().zip(&area) {
+        if *a > 0.0 {
+            *g /= *a;
+        }
+    }
+    for &(copy, vertex) in mesh.copies() {
+        sum[copy as usize] = sum[vertex as usize];
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -9,11 +9,13 @@ use super::same_channel_pairs;
 
 const ID: &str = "reciprocity";
 const TITLE: &str = "Helmholtz reciprocity";
-/// Rms relative difference (percent) that warns, and fails when it also stands out of the noise.
+/// Rms relative difference (percent) that warns, and fails when it also stands out of the uncertainty.
 const WARN: f64 = 5.0;
 const FAIL: f64 = 15.0;
-/// Rms of difference over uncertainty that stands out of the noise.
+/// Rms of difference over uncertainty that stands out.
 const SCORE: f64 = 3.0;
+/// Uncertainty of a pair's difference, as a fraction of its mean, up to which the pair is judged.
+const KNOWN: f64 = 0.25;
 /// Step of the relative azimuth along which isotropic slices are compared, degrees.
 const AZIMUTH_STEP: usize = 10;
 
@@ -23,6 +25,10 @@ pub(super) struct Pair {
     values: [Value; 2],
     /// `ln(cos theta_s / cos theta_i)` of the first.
     pub(super) log_cos_ratio: f64,
+    /// `cos theta_i cos theta_s`: what the pair weighs in an exchange of light, times its BSDF.
+    cosines: f64,
+    /// Whether both directions were read themselves, so that nothing is interpolated.
+    read: bool,
 }
 
 impl Pair {
@@ -35,14 +41,23 @@ impl Pair {
     }
 
     fn u(&self) -> f64 {
-        self.values[0].u.hypot(self.values[1].u)
+        self.values[0].u().hypot(self.values[1].u())
+    }
+
+    /// Whether the pair can tell anything: positive, and the uncertainty of its difference is below [`KNOWN`].
+    fn known(&self) -> bool {
+        self.mean() > 0.0 && self.u() < KNOWN * self.mean()
+    }
+
+    fn weight(&self) -> f64 {
+        self.mean() * self.cosines
     }
 
     /// `ln(f(i, s) / f(s, i))` and its uncertainty, where both stand out of the noise.
     pub(super) fn log_ratio(&self) -> Option<(f64, f64)> {
         let [a, b] = self.values;
-        let clear = |v: Value| v.f > 3.0 * v.u && v.f > 0.0;
-        (clear(a) && clear(b)).then(|| ((a.f / b.f).ln(), (a.u / a.f).hypot(b.u / b.f)))
+        let clear = |v: Value| v.f > 3.0 * v.u() && v.f > 0.0;
+        (clear(a) && clear(b)).then(|| ((a.f / b.f).ln(), (a.u() / a.f).hypot(b.u() / b.f)))
     }
 }
 
@@ -70,6 +85,8 @@ pub(super) fn pairs(slices: &[Slice], isotropic: Option<bool>) -> Pairs {
                 out.push(Pair {
                     values: [x, y],
                     log_cos_ratio: ratio.ln(),
+                    cosines: (wa.theta.cos() * wb.theta.cos()).abs(),
+                    read: fields[a].read_at(to_b) && fields[b].read_at(to_a),
                 });
             }
         };
@@ -90,25 +107,42 @@ pub(super) fn pairs(slices: &[Slice], isotropic: Option<bool>) -> Pairs {
     Pairs { pairs: out, rotated }
 }
 
-/// Rms relative difference of exchanged pairs, and its ratio to the claimed uncertainty.
+/// Rms over `pairs` of `of`, each pair with its weight.
+fn rms(pairs: &[&Pair], of: impl Fn(&Pair) -> f64) -> f64 {
+    let total: f64 = pairs.iter().map(|p| p.weight()).sum();
+    let square: f64 = pairs.iter().map(|p| p.weight() * of(p).powi(2)).sum();
+    (square / total).sqrt()
+}
+
+/// `sqrt(sum w (df / f)^2 / sum w)` with `df = f(i, s) - f(s, i)`, `f` their mean and `w = f cos theta_i cos theta_s`,
+/// and the same of `df / u(df)`, whose expectation is 1 for a reciprocal sample. `u` holds noise and interpolation.
+/// Pairs that noise or interpolation leave unknown are counted, not judged.
 pub(super) fn check(pairs: &Pairs) -> Verdict {
-    let usable: Vec<&Pair> = pairs
-        .pairs
-        .iter()
-        .filter(|p| p.mean() > p.u() && p.mean() > 0.0)
-        .collect();
-    if usable.is_empty() {
+    let judged: Vec<&Pair> = pairs.pairs.iter().filter(|p| p.known()).collect();
+    let unknown = pairs.pairs.len() - judged.len();
+    if pairs.pairs.is_empty() {
         return Verdict::not_applicable(
             ID,
             TITLE,
             "No direction was measured both ways: scan incidences that lie within the receiver's range of one another.",
         );
     }
-    let n = usable.len() as f64;
-    let rms = |f: &dyn Fn(&Pair) -> f64| (usable.iter().map(|p| f(p).powi(2)).sum::<f64>() / n).sqrt();
-    let value = 100.0 * rms(&|p| p.difference() / p.mean());
-    let known = usable.iter().all(|p| p.u() > 0.0);
-    let score = known.then(|| rms(&|p| p.difference() / p.u()));
+    if judged.is_empty() {
+        return Verdict::not_applicable(
+            ID,
+            TITLE,
+            format!(
+                "{unknown} directions were measured both ways, none well enough to compare: the readings are in the \
+                 noise or too far apart for so steep a lobe; choose incidences closer to one another."
+            ),
+        );
+    }
+    let relative = |p: &Pair| 100.0 * p.difference() / p.mean();
+    let value = rms(&judged, relative);
+    let score = judged
+        .iter()
+        .all(|p| p.u() > 0.0)
+        .then(|| rms(&judged, |p| p.difference() / p.u()));
     let stands_out = score.is_none_or(|s| s > SCORE);
     let level = match value {
         v if v >= FAIL && stands_out => Level::Fail,
@@ -116,8 +150,8 @@ pub(super) fn check(pairs: &Pairs) -> Verdict {
         _ => Level::Pass,
     };
     let mut sentence = format!(
-        "{} exchanged pairs differ by {value:.2} % rms{}{}.",
-        usable.len(),
+        "{} exchanged pairs differ by {value:.2} % rms{}{}",
+        judged.len(),
         score.map_or(String::new(), |s| format!(", {s:.1} times their uncertainty")),
         if pairs.rotated {
             " (the sample taken as isotropic)"
@@ -125,6 +159,20 @@ pub(super) fn check(pairs: &Pairs) -> Verdict {
             ""
         },
     );
+    let read: Vec<&Pair> = judged.iter().copied().filter(|p| p.read).collect();
+    if !read.is_empty() && read.len() < judged.len() {
+        sentence.push_str(&format!(
+            "; the {} read in both directions themselves, without interpolation, by {:.2} %",
+            read.len(),
+            rms(&read, relative)
+        ));
+    }
+    if unknown > 0 {
+        sentence.push_str(&format!(
+            "; {unknown} more are in the noise or on flanks too steep to interpolate"
+        ));
+    }
+    sentence.push('.');
     if level > Level::Pass {
         sentence.push_str(
             " Look for a tilted sample, an over-filled detector field at grazing incidence or a wrong quantity; do not \

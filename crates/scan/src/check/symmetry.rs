@@ -65,25 +65,25 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         let what = if several {
             "The sample is isotropic: rotation about the normal changes nothing"
         } else {
-            "The sample is isotropic as far as one azimuth of incidence can tell: symmetric about the plane of incidence, and under \
-             rotation at normal incidence"
+            "The sample is isotropic as far as one azimuth of incidence can tell: symmetric about the plane of \
+             incidence, and under rotation at normal incidence"
         };
         (Level::Pass, value, what)
+    } else if holds(&plane) && !several {
+        (
+            Level::Pass,
+            plane,
+            "The sample is symmetric about the plane of incidence; other azimuths of incidence would tell an isotropic \
+             sample from one with a single mirror plane",
+        )
     } else if holds(&mirror_x) && holds(&mirror_y) {
         (
             Level::Pass,
             worse(mirror_x, mirror_y),
             "The sample is quadrilateral: mirror planes through x and y",
         )
-    } else if holds(&mirror_x) || holds(&mirror_y) {
-        let score = if holds(&mirror_x) { mirror_x } else { mirror_y };
+    } else if let Some(score) = [mirror_x, mirror_y, plane].into_iter().find(holds) {
         (Level::Pass, score, "The sample is bilateral: one mirror plane")
-    } else if holds(&plane) {
-        (
-            Level::Pass,
-            plane,
-            "The sample is symmetric about the plane of incidence; other azimuths of incidence would tell the rest",
-        )
     } else if plane.is_none() && mirror_x.is_none() && rotation.is_none() {
         return Verdict::not_applicable(
             ID,
@@ -155,7 +155,7 @@ fn compare(slice: &Slice, image: &Field<'_>, map: &dyn Fn(Angles) -> Angles) -> 
         let (d, e) = (slice.dsf[j], other.f * cos);
         difference += (d - e).abs() * slice.omega[j];
         // The mean absolute value of a normal variable is 0.8 standard deviations.
-        noise += 0.8 * slice.u_independent(j).hypot(other.u * cos) * slice.omega[j];
+        noise += 0.8 * slice.u_independent(j).hypot(other.u() * cos) * slice.omega[j];
         sum += 0.5 * (d + e) * slice.omega[j];
         n += 1;
     }

@@ -110,6 +110,36 @@ fn a_model_that_is_not_reciprocal_fails_reciprocity() {
     assert!(v.value.unwrap() < 1.5, "{}", v.sentence);
 }
 
+/// Half-vector lobe of 6 degrees without a diffuse base: between incidences there are only its flanks.
+fn satin(wi: Direction, ws: Direction) -> f64 {
+    let h = Direction::new(wi.vec() + ws.vec()).unwrap_or(Direction::NORMAL);
+    12.0 * (-(h.theta() / 0.1).powi(2)).exp()
+}
+
+#[test]
+fn the_steep_flanks_of_a_narrow_lobe_are_not_taken_for_a_breach_of_reciprocity() {
+    for seed in 1..6 {
+        let m = measured(&scans(satin, &INCIDENCES, 10_000, seed));
+        let v = verdict(&m, "reciprocity");
+        assert_eq!(v.level, Level::Pass, "{}", v.sentence);
+        assert!(v.sentence.contains("too steep"), "{}", v.sentence);
+    }
+}
+
+#[test]
+fn a_narrow_lobe_that_favours_one_direction_of_the_light_is_found() {
+    fn one_way(wi: Direction, ws: Direction) -> f64 {
+        satin(wi, ws) * (0.3 * (wi.theta() - ws.theta())).exp()
+    }
+    for seed in 1..4 {
+        let m = measured(&scans(one_way, &INCIDENCES, 10_000, seed));
+        let v = verdict(&m, "reciprocity");
+        assert!(v.level >= Level::Warn, "{}", v.sentence);
+        // Neighbouring incidences are 0.35 rad apart: exp(2 * 0.3 * 0.35) = 1.23 between the two directions.
+        assert!((v.value.unwrap() - 21.0).abs() < 4.0, "{}", v.sentence);
+    }
+}
+
 #[test]
 fn anisotropic_samples_are_compared_at_the_exchanged_directions_only() {
     let several = [(30.0, 0.0), (30.0, 90.0), (60.0, 0.0), (60.0, 90.0)];
@@ -238,4 +268,33 @@ fn repeated_measurements_agree_within_their_noise_and_a_brighter_one_does_not() 
     assert!(repeatability(&[&first]).is_err());
     let other = measured(&scans(glossy, &[(75.0, 0.0)], 500, 1));
     assert!(repeatability(&[&first, &other]).is_err());
+}
+
+#[test]
+fn noise_about_zero_is_told_from_a_blank_that_takes_too_much() {
+    let dark_side = |offset: f64| {
+        let mut noise = Noise::new(4);
+        let mut scan = spiral_scan(20.0, 0.0, 2500, Side::Front, |ws| {
+            satin(Direction::from_degrees(20.0, 0.0), ws) - offset + 1e-3 * noise.normal()
+        });
+        scan.quantity = Quantity::Bsdf;
+        let stated = ProcessOptions {
+            noise: Some(NoiseModel {
+                readout: 1e-3,
+                relative: 0.0,
+                origin: NoiseOrigin::Stated,
+            }),
+            ..ProcessOptions::default()
+        };
+        verdict(&process(&[scan], &[], &[], &stated).unwrap(), "negative_readings")
+    };
+    let v = dark_side(0.0);
+    assert_eq!(v.level, Level::Pass, "{}", v.sentence);
+    assert!(
+        v.value.unwrap() > 30.0 && v.sentence.contains("Noise about zero"),
+        "{}",
+        v.sentence
+    );
+    let v = dark_side(4e-3);
+    assert_eq!(v.level, Level::Fail, "{}", v.sentence);
 }
