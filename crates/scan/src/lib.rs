@@ -14,7 +14,8 @@ mod local;
 pub mod measurement;
 mod nearest;
 pub mod noise;
-pub mod process;
+pub mod phase;
+mod process;
 #[cfg(test)]
 mod process_tests;
 pub mod processing;
