@@ -1,4 +1,4 @@
-"""The checks on simulated campaigns of materials that are reciprocal, conserve energy and are measured soundly."""
+"""The checks on simulated campaigns of sound materials, measured soundly: none objects."""
 
 import gonio
 import pytest
