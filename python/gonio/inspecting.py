@@ -200,6 +200,13 @@ def _problems(files: Sequence[FileSummary]) -> list[str]:
         )
     elif beams and samples - beams:
         problems.append(f"no reference scan of the beam in channel {', '.join(sorted(samples - beams))}")
+    if any(r.kind == "sample" and r.quantity == "signal" for r in records) and not any(
+        r.kind == "dark" for r in records
+    ):
+        problems.append(
+            "raw signals without dark readings: name them with --dark in gonio process, "
+            "unless the instrument has subtracted its dark already"
+        )
     empty = sum(r.readings == 0 for r in records)
     if empty:
         problems.append(f"{empty} empty scans")

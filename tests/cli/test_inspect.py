@@ -21,6 +21,13 @@ def test_inspect_shows_what_is_in_a_file(run, raw):
     for text in ("gonio-raw", "theta_i 30", "3 readings", "1 negative", "1 no data", "1 repeated"):
         assert text in done.out
     assert "--beam or --standard" in done.err
+    assert "--dark" in done.err
+
+
+def test_inspect_does_not_ask_for_a_dark_that_is_among_the_files(run, raw, tmp_path):
+    dark = gonio.Scan(theta_i=0, phi_i=0, theta_s=[0, 0], phi_s=[0, 0], value=[1, 2], kind="dark")
+    gonio.Readings([dark]).save(tmp_path / "dark.txt")
+    assert "--dark" not in run("inspect", raw, tmp_path / "dark.txt").err
 
 
 def test_inspect_json_is_one_object_and_nothing_else(run, raw):

@@ -1,6 +1,7 @@
 //! From readings to a measurement: corrections, beam power, DSF/BSDF, uncertainty, checks.
 
 pub mod alignment;
+mod assumed;
 pub mod beam;
 mod blank;
 pub mod check;

@@ -3,6 +3,7 @@
 use gonio_bsdf::{Channel, Quantity};
 use rayon::prelude::*;
 
+use crate::assumed::{lacks_dark, no_calibration, no_dark};
 use crate::beam::beam_power;
 use crate::blank::blank_match;
 use crate::dark::{DarkOptions, DarkSummary, subtract};
@@ -110,6 +111,11 @@ pub fn process_owned(
         beam_of(&beams, scan)?;
     }
     let sample_name = sample.iter().find_map(|s| s.meta.sample_name.clone());
+    let without_dark = lacks_dark(&sample, dark);
+    let mut assumed = Vec::new();
+    if options.u_calibration == 0.0 {
+        assumed.extend(sample.first().and_then(|s| no_calibration(s.quantity)));
+    }
     let done: Vec<Done> = sample
         .into_par_iter()
         .map(|scan| {
@@ -117,7 +123,14 @@ pub fn process_owned(
             one(scan, &beams, dark, model, options)
         })
         .collect::<Result<_, _>>()?;
-    Ok(assemble(done, beams, sample_name, warnings))
+    Ok(assemble(
+        done,
+        beams,
+        sample_name,
+        warnings,
+        without_dark,
+        assumed,
+    ))
 }
 
 /// One processed record with what was learnt from it.
@@ -128,12 +141,14 @@ pub(crate) struct Done {
     pub(crate) findings: Vec<Verdict>,
 }
 
-/// The measurement of processed records.
+/// The measurement of processed records; `assumed` are findings of the whole.
 pub(crate) fn assemble(
     done: Vec<Done>,
     beams: Vec<Beam>,
     sample_name: Option<String>,
     mut warnings: Vec<String>,
+    without_dark: bool,
+    assumed: Vec<Verdict>,
 ) -> Measurement {
     let mut processing = Processing::default();
     let mut slices = Vec::with_capacity(done.len());
@@ -143,6 +158,10 @@ pub(crate) fn assemble(
         processing.findings.extend(d.findings);
         slices.push(d.slice);
     }
+    if without_dark {
+        processing.findings.push(no_dark(&slices));
+    }
+    processing.findings.extend(assumed);
     for f in processing
         .findings
         .iter()

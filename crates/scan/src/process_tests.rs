@@ -211,6 +211,62 @@ fn a_dsf_blank_below_zero_warns_that_the_instruments_zero_moved() {
     );
 }
 
+#[test]
+fn raw_signals_without_a_dark_are_reported_with_what_an_offset_would_do() {
+    let (rho, offset) = (0.5, 0.01);
+    let sample = || {
+        spiral_scan(0.0, 0.0, 2000, Side::Front, |d| {
+            power(W) * (rho * d.cos_theta() / PI + offset)
+        })
+    };
+    let found = |dark: &[Scan]| {
+        let m = process(&[sample()], &[beam(W)], dark, &ProcessOptions::default()).unwrap();
+        let finding = m
+            .processing
+            .findings
+            .iter()
+            .find(|f| f.id == "dark_subtracted")
+            .cloned();
+        (finding, m.warnings)
+    };
+    let (finding, warnings) = found(&[]);
+    let finding = finding.unwrap();
+    assert_eq!(finding.level, Level::Warn);
+    assert!(finding.sentence.contains("--dark"), "{}", finding.sentence);
+    assert!(warnings.contains(&finding.sentence));
+    // The lowest 5 % of the readings end at cos theta_s = 0.05.
+    let low = rho * 0.05 / PI + offset;
+    let expected = 100.0 * 2.0 * PI * low / (rho + 2.0 * PI * offset);
+    assert!((finding.value.unwrap() - expected).abs() < 0.3, "{finding:?}");
+    let mut dark = record(0.0, 0.0);
+    dark.kind = ScanKind::Dark;
+    for _ in 0..20 {
+        dark.push(Direction::NORMAL, power(W) * offset);
+    }
+    assert_eq!(found(&[dark]).0, None);
+}
+
+#[test]
+fn calibrated_values_without_a_calibration_uncertainty_say_so_once() {
+    let run = |u_calibration: f64| {
+        let mut sample = spiral_scan(0.0, 0.0, 500, Side::Front, |_| 0.2);
+        sample.quantity = Quantity::Bsdf;
+        let options = ProcessOptions {
+            u_calibration,
+            ..ProcessOptions::default()
+        };
+        let m = process(&[sample.clone(), sample], &[], &[], &options).unwrap();
+        m.processing.findings
+    };
+    let unstated = run(0.0);
+    assert_eq!(unstated.len(), 1, "{unstated:?}");
+    assert_eq!(
+        (unstated[0].id, unstated[0].level),
+        ("calibration_uncertainty", Level::Info)
+    );
+    assert!(run(0.01).is_empty());
+}
+
 /// 95 % intervals of single values and of the DHR over 200 simulated measurements with noise, dark noise and a noisy
 /// reference scan.
 #[test]

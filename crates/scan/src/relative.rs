@@ -6,6 +6,7 @@ use gonio_bsdf::Quantity;
 use gonio_geom::{DVec3, Direction};
 use rayon::prelude::*;
 
+use crate::assumed::{lacks_dark, no_u_standard};
 use crate::dark::subtract;
 use crate::flagging::raw_flags;
 use crate::nearest::DirectionIndex;
@@ -114,6 +115,9 @@ pub fn process_relative(
     }
     let noise = noise_models(&sample, dark, options);
     let sample_name = sample.iter().find_map(|s| s.meta.sample_name.clone());
+    let without_dark = lacks_dark(&sample, dark);
+    let unstated = reference.u_relative == 0.0 && options.u_calibration == 0.0;
+    let assumed = unstated.then(no_u_standard).into_iter().collect();
     let done: Vec<Done> = sample
         .into_par_iter()
         .map(|scan| {
@@ -122,7 +126,14 @@ pub fn process_relative(
             one(scan, partner, dark, reference, model, options)
         })
         .collect::<Result<_, _>>()?;
-    Ok(assemble(done, Vec::new(), sample_name, Vec::new()))
+    Ok(assemble(
+        done,
+        Vec::new(),
+        sample_name,
+        Vec::new(),
+        without_dark,
+        assumed,
+    ))
 }
 
 /// The record of the standard at the incidence and channel of `scan`.
