@@ -1,5 +1,7 @@
 //! The same readings under more than one angle of incidence.
 
+use std::collections::BTreeMap;
+
 use crate::{Level, Slice, Verdict};
 
 use super::{name, same_channel_pairs};
@@ -9,7 +11,8 @@ const TITLE: &str = "No scan is a copy of another";
 /// Share of equal values from which two scans are copies.
 const COPY: f64 = 0.99;
 
-/// Compares the sorted values of every pair of slices: noise makes equal readings of different scans impossible.
+/// Compares the sorted values of every pair of slices: noise makes equal readings of different scans impossible. Those
+/// of a model without noise warn only.
 pub(super) fn check(slices: &[Slice]) -> Verdict {
     let sorted: Vec<Vec<f64>> = slices
         .iter()
@@ -34,7 +37,19 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
             copies.push((a, b));
         }
     }
+    let ideal = |&&(a, b): &&(usize, usize)| noise_free(&slices[a]) && noise_free(&slices[b]);
+    let smooth = copies.iter().filter(ideal).count();
     let (level, sentence) = match copies.first() {
+        Some(&(a, b)) if smooth == copies.len() => (
+            Level::Warn,
+            format!(
+                "{} hold the same values, the first {} and {}. They are free of noise and the same at every azimuth, \
+                 as those of an ideal diffuser computed by a model; if they were measured, one is a copy to be dropped.",
+                counted(copies.len()),
+                name(&slices[a]),
+                name(&slices[b])
+            ),
+        ),
         None => (
             Level::Pass,
             format!("{} scans, none the copy of another.", slices.len()),
@@ -42,9 +57,8 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         Some(&(a, b)) => (
             Level::Fail,
             format!(
-                "{} pair(s) of scans hold the same readings, the first {} and {}: drop all but the one that was \
-                 measured.",
-                copies.len(),
+                "{} hold the same readings, the first {} and {}: drop all but the one that was measured.",
+                counted(copies.len()),
                 name(&slices[a]),
                 name(&slices[b])
             ),
@@ -58,4 +72,40 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         unit: "1",
         sentence,
     }
+}
+
+fn counted(pairs: usize) -> String {
+    match pairs {
+        1 => "1 pair of scans".into(),
+        n => format!("{n} pairs of scans"),
+    }
+}
+
+/// Largest relative spread of the BSDF of an ideal diffuser: that of values written with four digits.
+const FLAT: f64 = 1e-3;
+/// Relative difference up to which values are equal.
+const EQUAL: f64 = 1e-9;
+
+/// Whether the values are those of a model that depends on `theta_s` alone: the BSDF is the same everywhere, or the
+/// readings of each polar angle are equal, where there are three or more. Noise allows neither.
+fn noise_free(slice: &Slice) -> bool {
+    let usable: Vec<usize> = (0..slice.len())
+        .filter(|&j| slice.flags[j].usable() && slice.bsdf(j).is_finite())
+        .collect();
+    let of = |j: &usize| slice.bsdf(*j);
+    let low = usable.iter().map(of).fold(f64::INFINITY, f64::min);
+    let high = usable.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    if high - low <= FLAT * high.abs() {
+        return true;
+    }
+    let mut rings: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
+    for &j in &usable {
+        let ring = (slice.theta_s[j] * 1e6).round() as i64;
+        rings.entry(ring).or_default().push(slice.dsf[j]);
+    }
+    let of_three: Vec<&Vec<f64>> = rings.values().filter(|r| r.len() >= 3).collect();
+    of_three.len() >= 5
+        && of_three
+            .iter()
+            .all(|r| r.iter().all(|v| (v - r[0]).abs() <= EQUAL * r[0].abs()))
 }
