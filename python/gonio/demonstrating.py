@@ -13,6 +13,7 @@ from gonio._native import DataDriven, Verdict
 from gonio.building import build
 from gonio.checking import check
 from gonio.exporting import MODEL_FORMATS, export
+from gonio.files import growing_directory
 from gonio.materials import Material
 from gonio.measurement import Measurement
 from gonio.processing import process
@@ -84,7 +85,8 @@ def demo(
         What to measure and how, as in `gonio.simulate`.
     out
         Directory of all files: raw/, measurement/, radiance-*.xml, report.html; None takes
-        gonio-demo/MATERIAL-seedSEED in the working directory. Files of an earlier demo there are replaced.
+        gonio-demo/MATERIAL-seedSEED in the working directory. Files of an earlier demo there are replaced
+        one by one. A directory that was not there goes again when the demo does not come to its end.
     progress
         Called with stage, parts done and parts in all.
 
@@ -95,11 +97,31 @@ def demo(
     OSError
         The file system refuses.
     """
-    begin = time.monotonic()
     name = material if isinstance(material, str) else material.name
     target = Path(DIRECTORY, f"{name}-seed{seed}") if out is None else Path(out)
+    with growing_directory(target):
+        return _run(
+            target,
+            material=material,
+            seed=seed,
+            incidences=incidences,
+            instrument=instrument,
+            progress=progress,
+        )
+
+
+def _run(
+    target: Path,
+    *,
+    material: str | Material,
+    seed: int,
+    incidences: Sequence[tuple[float, float]] | None,
+    instrument: Mapping[str, float] | None,
+    progress: Progress,
+) -> DemoResult:
+    """The demo in the directory `target`, which exists."""
+    begin = time.monotonic()
     raw, measured, page = target / "raw", target / "measurement", target / "report.html"
-    target.mkdir(parents=True, exist_ok=True)
     progress("simulating", 0, 1)
     campaign = simulate(material=material, seed=seed, incidences=incidences, instrument=instrument, out=raw)
     progress("simulating", 1, 1)

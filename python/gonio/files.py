@@ -8,7 +8,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from gonio._native import FormatError
@@ -25,14 +25,10 @@ def replacing_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a temporary path beside `path` that takes its place when the block ends without an error.
 
     On an error, also on Ctrl-C or a full disk, the temporary file is removed and an older file at `path`
-    stays as it was. The directory of `path` must exist.
+    stays as it was. The directory of `path` must exist. A symbolic link stays; the file it names is replaced.
     """
-    target = Path(path)
-    if target.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "is a directory, a file is needed", str(target))
-    handle, name = tempfile.mkstemp(
-        prefix=f".{target.name}.", suffix=".part", dir=_existing_parent(target, path)
-    )
+    target = check_file(path)
+    handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".part", dir=target.parent)
     os.close(handle)
     staged = Path(name)
     try:
@@ -42,8 +38,28 @@ def replacing_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     except BaseException as error:
         staged.unlink(missing_ok=True)
         if isinstance(error, OSError):
-            raise _about(target, error) from error
+            raise _about(Path(path), staged, error) from error
         raise
+
+
+def check_file(path: str | os.PathLike[str]) -> Path:
+    """The file that `replacing_file` would write for `path`, links followed; its errors otherwise.
+
+    Long work asks this first.
+
+    Raises
+    ------
+    OSError
+        `path` is a directory, a device or a pipe, or its parent does not exist.
+    """
+    given = Path(path)
+    if given.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "is a directory, a file is needed", str(given))
+    if given.exists() and not given.is_file():
+        raise OSError(errno.EINVAL, "is a device or a pipe, a file is needed", str(given))
+    target = Path(os.path.realpath(given))
+    _existing_parent(target, path)
+    return target
 
 
 @contextmanager
@@ -84,7 +100,30 @@ def replacing_directory(
     except BaseException as error:
         shutil.rmtree(staged, ignore_errors=True)
         if isinstance(error, OSError):
-            raise _about(target, error) from error
+            raise _about(target, staged, error) from error
+        raise
+
+
+@contextmanager
+def growing_directory(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Make the directory `path` with its parents for files that appear one after the other.
+
+    What was made goes again when the block ends with an error. In a directory that was there before, files
+    stay; an interruption then says so.
+    """
+    target = Path(path)
+    new = [p for p in (target, *target.absolute().parents) if not p.exists()]
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException as error:
+        if target in new:
+            shutil.rmtree(target, ignore_errors=True)
+            for parent in new[1:]:
+                with suppress(OSError):
+                    parent.rmdir()
+        elif isinstance(error, KeyboardInterrupt):
+            raise KeyboardInterrupt(f"{target} may hold files of this run beside older ones") from error
         raise
 
 
@@ -111,11 +150,13 @@ def _existing_parent(target: Path, given: str | os.PathLike[str]) -> Path:
     return parent
 
 
-def _about(target: Path, error: OSError) -> OSError:
+def _about(target: Path, staged: Path, error: OSError) -> OSError:
     """The refusal, with the name the user gave in place of that of the temporary file."""
     number = error.errno or errno.EIO
-    reason = error.strerror or (os.strerror(error.errno) if error.errno else str(error))
-    return OSError(number, reason, os.fspath(target))
+    reason = os.strerror(error.errno) if error.errno else str(error)
+    if error.strerror and staged.name not in error.strerror:
+        reason = error.strerror
+    return OSError(number, reason.replace(str(staged), str(target)), os.fspath(target))
 
 
 def _default_mode(mode: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +22,7 @@ from gonio._native import (
     Slice,
     Verdict,
 )
-from gonio.files import replacing_directory, replacing_file, sha256
+from gonio.files import check_file, replacing_directory, replacing_file, sha256
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -265,7 +266,9 @@ class Measurement:
             coords={"side": ("side", np.array(sides, dtype=object), {"long_name": "side of the receiver"})},
             attrs={
                 "title": f"BSDF measurement of {self.sample_name or 'an unnamed sample'}",
-                "featureType": "gonio-measurement",
+                "Conventions": "CF-1.11",
+                "format": FORMAT,
+                "format_version": FORMAT_VERSION,
                 "quantity": "dsf",
                 "frame": FRAME,
                 "sample_name": self.sample_name or "",
@@ -278,9 +281,11 @@ class Measurement:
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
         """Write `to_xarray()` as netCDF-4, whole or not at all."""
-        dataset = self.to_xarray()
+        check_file(path)
+        # The file is made in memory: HDF5 does not survive a disk that is full when it closes a file.
+        content = self.to_xarray().to_netcdf(engine="h5netcdf")
         with replacing_file(path) as staged:
-            dataset.to_netcdf(staged, engine="h5netcdf")
+            staged.write_bytes(content)
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the directory `path` with measurement.parquet and measurement.json, whole or not at all.
@@ -328,11 +333,21 @@ class Measurement:
         ------
         FileNotFoundError
             No such directory, or no measurement.json or measurement.parquet in it.
+        NotADirectoryError
+            `path` is a file.
         FormatError
             The files are damaged, do not belong together or are of a newer format.
         """
         directory = Path(path)
         json_path, table_path = directory / JSON_NAME, directory / PARQUET_NAME
+        if not directory.exists():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+        if not directory.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, "is a file, needed is a measurement directory", str(path))
+        if not json_path.is_file():
+            raise FileNotFoundError(
+                errno.ENOENT, f"is no measurement directory, it holds no {JSON_NAME}", str(path)
+            )
         header = _read_header(json_path)
         found = sha256(table_path)
         if found != header["table"]["sha256"]:

@@ -175,3 +175,16 @@ def edit(directory, change):
 def test_a_missing_measurement_is_a_missing_file(tmp_path):
     with pytest.raises(FileNotFoundError):
         gonio.Measurement.load(tmp_path / "none")
+
+
+def test_the_netcdf_names_the_convention_it_follows(measurement):
+    attrs = measurement.to_xarray().attrs
+    assert attrs["Conventions"].startswith("CF-1.")
+    assert "featureType" not in attrs  # CF knows features in space and time only
+    assert attrs["format"] == "gonio-measurement"
+
+
+@pytest.mark.parametrize("name", ["GonioError", "FormatError", "QuantityError", "DomainError", "FitError"])
+def test_an_error_shows_the_name_it_is_imported_by(name):
+    error = getattr(gonio, name)
+    assert f"{error.__module__}.{error.__qualname__}" == f"gonio.{name}"

@@ -9,7 +9,7 @@ use crate::IoError;
 /// file is removed and an older file at `path` stays as it was.
 ///
 /// # Errors
-/// [`IoError::File`] when the folder is missing or not writable, the disk is full, or `write` fails.
+/// [`IoError::File`] when `path` is a directory, a device or a pipe, the folder is missing or not writable, the disk is full, or `write` fails.
 pub fn write_atomic(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -17,6 +17,12 @@ pub fn write_atomic(
     let run = || {
         if path.is_dir() {
             return Err(std::io::ErrorKind::IsADirectory.into());
+        }
+        if path.exists() && !path.is_file() {
+            return Err(std::io::Error::new(
+                std::io::ErrorKind::InvalidInput,
+                "is a device or a pipe, a file is needed",
+            ));
         }
         let folder = path
             .parent()

@@ -15,31 +15,31 @@ use pyo3::exceptions::{PyException, PyOSError};
 use pyo3::prelude::*;
 
 create_exception!(
-    _native,
+    gonio,
     GonioError,
     PyException,
     "Base of every error gonio raises on purpose."
 );
 create_exception!(
-    _native,
+    gonio,
     FormatError,
     GonioError,
     "A file that does not follow its format; names file and line or field."
 );
 create_exception!(
-    _native,
+    gonio,
     QuantityError,
     GonioError,
     "Data of one quantity, channel or kind where another is needed."
 );
 create_exception!(
-    _native,
+    gonio,
     DomainError,
     GonioError,
     "A value outside its allowed range."
 );
 create_exception!(
-    _native,
+    gonio,
     FitError,
     GonioError,
     "A model that the data cannot determine."

@@ -26,7 +26,29 @@ EXIT_INTERRUPTED = 130
 
 F = TypeVar("F", bound=Callable[..., None])
 
-out = Console(soft_wrap=True, highlight=False, markup=False)
+
+@contextmanager
+def _naming_stdout() -> Iterator[None]:
+    """An error of the operating system on writing to stdout, with its name."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        # What is left in the buffer would fail once more at the exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise OSError(error.errno, error.strerror, "standard output") from error
+
+
+class _Out(Console):
+    """stdout; an error names it."""
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        with _naming_stdout():
+            super().print(*objects, **options)
+
+
+out = _Out(soft_wrap=True, highlight=False, markup=False)
 err = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
@@ -57,10 +79,12 @@ def guarded(work: Callable[[], None], *, debug: bool) -> int:
     """Run `work` and give the exit code; an error is one line on stderr."""
     try:
         work()
+        with _naming_stdout():
+            sys.stdout.flush()
     except (typer.Exit, typer.Abort, typer.BadParameter, SystemExit):
         raise
-    except KeyboardInterrupt:
-        err.print("gonio: interrupted, nothing was written")
+    except KeyboardInterrupt as error:
+        err.print(f"gonio: interrupted, {one_line(error) or 'nothing was written'}")
         return EXIT_INTERRUPTED
     except BrokenPipeError:
         # The reader of stdout has gone (`gonio inspect … | head`); the exit must not try to flush again.
@@ -97,8 +121,9 @@ def one_line(error: BaseException) -> str:
 
 def print_json(result: Mapping[str, Any]) -> None:
     """Print one JSON object; numbers that JSON does not have are null."""
-    sys.stdout.write(json.dumps(_plain(result), allow_nan=False) + "\n")
-    sys.stdout.flush()
+    with _naming_stdout():
+        sys.stdout.write(json.dumps(_plain(result), allow_nan=False) + "\n")
+        sys.stdout.flush()
 
 
 def _plain(value: Any) -> Any:
