@@ -139,6 +139,9 @@ class MeasurementData:
         signature_fwhm: float | None = None,
         warnings: Sequence[str] = (),
     ) -> None: ...
+    def annotated(
+        self, *, sample_name: str | None = None, warnings: Sequence[str] = ()
+    ) -> MeasurementData: ...
     @property
     def slices(self) -> list[Slice]: ...
     @property

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from gonio import _native
 from gonio._native import DomainError, MeasurementData, QuantityError, Scan
+from gonio.campaigns import beam_for_each, idle_beam, one_sample, repeated_incidences
 from gonio.files import check_directory
 from gonio.measurement import JSON_NAME, Measurement
 from gonio.provenance import input_file, provenance
@@ -41,6 +42,7 @@ def process(
     u_angle: float = 0.0,
     u_calibration: float = 0.0,
     shadow_radius: float | None = None,
+    name: str | None = None,
     out: PathLike | None = None,
     force: bool = False,
     progress: Progress = silent,
@@ -85,6 +87,8 @@ def process(
     shadow_radius
         Readings within this angle of the retro direction lie in the detector's shadow, degrees; None takes it
         from the apertures where they are known.
+    name
+        Name of the sample in place of the one in the files; files that name different samples need it.
     out
         Directory to save the measurement to; it is checked before the work and appears whole or not at all.
     force
@@ -97,7 +101,7 @@ def process(
     FormatError
         A file does not follow its format, or `out` holds other files.
     QuantityError
-        Mixed quantities; a reference scan that is missing or of another channel.
+        Mixed quantities or samples; a reference scan that is missing or of another channel.
     DomainError
         A value or option outside its range; an empty scan.
     OSError
@@ -118,14 +122,22 @@ def process(
         "shadow_radius": shadow_radius,
     }
     relative = {"standard_reflectance": standard_reflectance, "u_standard": u_standard}
+    if name is None:
+        one_sample(scans["sample"])
+    if not scans["standard"]:
+        beam_for_each(scans["sample"], scans["beam"])
+    notes = [*repeated_incidences(scans["sample"]), *idle_beam(scans["sample"], scans["beam"])]
     progress("processing", 0, 1)
     data = interruptible(lambda: _compute(scans, relative, settings))
+    if name is not None or notes:
+        data = data.annotated(sample_name=name, warnings=notes)
     alignment = _alignment(data)
     if align:
         data = interruptible(lambda: _native.correct_alignment(data))
     progress("processing", 1, 1)
     origin = provenance(
-        inputs=inputs, settings={**told, "quantity": quantity, **settings, **relative, "align": align}
+        inputs=inputs,
+        settings={**told, "quantity": quantity, **settings, **relative, "align": align, "name": name},
     )
     found = {**data.processing, "alignment": alignment}
     measurement = Measurement._wrap(

@@ -243,7 +243,7 @@ gonio._native.process = endless
 sys.argv = ["gonio", "process", "sample.parquet", "-o", "out"]
 main()
 """
-    saved(tmp_path / "sample.parquet", scan())
+    saved(tmp_path / "sample.parquet", scan(quantity="bsdf"))
     command = subprocess.Popen(
         [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )

@@ -276,6 +276,15 @@ impl MeasurementData {
         .into())
     }
 
+    /// The same with another name of the sample (None keeps it) and further warnings before those it has.
+    #[pyo3(signature = (*, sample_name=None, warnings=Vec::new()))]
+    fn annotated(&self, sample_name: Option<String>, warnings: Vec<String>) -> Self {
+        let mut data = core::Measurement::clone(&self.0);
+        data.sample_name = sample_name.or(data.sample_name);
+        data.warnings.splice(0..0, warnings);
+        data.into()
+    }
+
     /// Slices in the order of the input.
     #[getter]
     fn slices(&self) -> Vec<Slice> {

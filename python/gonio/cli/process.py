@@ -10,6 +10,7 @@ import typer
 import gonio
 from gonio.cli.reading import Channel, Columns, Format, Quantity, UpPhi, column_map
 from gonio.cli.running import Force, Json, out, print_json, progress_bar, warn
+from gonio.files import check_file
 
 
 def process(
@@ -39,11 +40,14 @@ def process(
     shadow_radius: Annotated[
         float | None, typer.Option(help="Detector shadow about the retro direction, degrees.")
     ] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the sample; the files'.")] = None,
     netcdf: Annotated[Path | None, typer.Option(help="Write a netCDF file, too.")] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
     """Process raw readings to DSF and BSDF with their uncertainty."""
+    if netcdf is not None and netcdf.absolute().parent != to.absolute():
+        check_file(netcdf)
     with progress_bar(hidden=json) as progress:
         measurement = gonio.process(
             files,
@@ -65,6 +69,7 @@ def process(
             u_angle=u_angle,
             u_calibration=u_calibration,
             shadow_radius=shadow_radius,
+            name=name,
             out=to,
             force=force,
             progress=progress,
