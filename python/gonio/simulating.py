@@ -13,6 +13,7 @@ from gonio._native import DomainError, Scan
 from gonio.files import replacing_directory
 from gonio.materials import Component, Material
 from gonio.materials import material as named_material
+from gonio.working import interruptible
 
 NOTEBOOK = "campaign.json"
 """Name of the file that keeps what was simulated; the measurement chain does not read it."""
@@ -61,7 +62,8 @@ def simulate(
     seed
         Seed of path, noise and drift, 0 to 2**64 - 1; the same seed gives the same files.
     incidences
-        (theta_i, phi_i) in degrees, none within a degree of the sample plane; None takes the material's.
+        (theta_i, phi_i) in degrees, none within a degree of the sample plane; above 90 the back is lit, which
+        scatters as the front does. None takes the material's.
     components
         Hemispheres to scan, of "reflection" and "transmission"; None takes what the material scatters into.
     instrument
@@ -90,14 +92,16 @@ def simulate(
     angles = [(float(t), float(p)) for t, p in (target.incidences if incidences is None else incidences)]
     hemispheres = list(target.components if components is None else components)
     settings = {name: float(value) for name, value in (instrument or {}).items()}
-    records = _native.simulate(
-        target.bsdf,
-        incidences=angles,
-        components=hemispheres,
-        seed=seed,
-        sample_name=target.name,
-        started=STARTED,
-        settings=settings,
+    records = interruptible(
+        lambda: _native.simulate(
+            target.bsdf,
+            incidences=angles,
+            components=hemispheres,
+            seed=seed,
+            sample_name=target.name,
+            started=STARTED,
+            settings=settings,
+        )
     )
     notes = {
         "material": target.name,

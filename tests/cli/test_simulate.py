@@ -1,5 +1,6 @@
 import json
 
+import gonio
 import pytest
 
 from tests.cli.conftest import listing, one_clear_error
@@ -37,3 +38,15 @@ def test_a_wrong_setting_is_named_and_nothing_is_written(run, tmp_path, options,
 @pytest.mark.parametrize("options", [["--incidence", "30"], ["--instrument", "power=much"]])
 def test_a_malformed_option_is_a_usage_error(run, options):
     assert run("simulate", "-o", "camp", *options).code == 2
+
+
+def test_the_back_scatters_as_the_front_does(tmp_path):
+    front, back = (
+        gonio.simulate(material="lambert", incidences=[(theta, 0)], out=tmp_path / str(theta))
+        for theta in (30, 150)
+    )
+    (a,), (b,) = (
+        gonio.process(c.sample, beam=c.beam, dark=c.dark).slices[0].integrals for c in (front, back)
+    )
+    assert (a.side, b.side) == ("front", "back")
+    assert b.value == pytest.approx(a.value, abs=2 * (a.u + b.u))

@@ -30,7 +30,11 @@ def simulate(
     material: Annotated[str, typer.Option(help="Name of a known material.")] = "plastic",
     seed: Annotated[int, typer.Option(help="Seed of path, noise and drift.")] = 1,
     incidence: Annotated[
-        list[str] | None, typer.Option(metavar="THETA,PHI", help="Incidence in degrees; repeat it.")
+        list[str] | None,
+        typer.Option(
+            metavar="THETA,PHI",
+            help="Incidence in degrees; above 90 the back is lit, which scatters as the front; repeat it.",
+        ),
     ] = None,
     component: Annotated[
         list[Hemisphere] | None,
