@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gonio._native import Scan, Slice
+from gonio import model_files
+from gonio._native import GonioError, Scan, Slice
 from gonio.files import sha256
 from gonio.measurement import JSON_NAME, Measurement
+from gonio.model_files import ModelSummary
 from gonio.readings import PathLike, read_file
 
 
@@ -28,6 +30,8 @@ class RecordSummary:
     readings: int
     theta_s_min: float | None
     theta_s_max: float | None
+    phi_s_min: float | None
+    phi_s_max: float | None
     value_min: float | None
     value_max: float | None
     negative: int
@@ -43,28 +47,33 @@ class RecordSummary:
             (self.no_data, "no data"),
             (self.repeated, "repeated"),
         ):
-            if count:
+            # A closed shutter is read many times in one place.
+            if count and not (self.kind == "dark" and text == "repeated"):
                 notes.append(f"{count} {text}")
         return notes
 
 
 @dataclass(frozen=True)
 class FileSummary:
-    """One file with its records, in file order."""
+    """One file with its records, in file order, or its model; a name is None where the file states none."""
 
     path: str
     format: str
     bytes: int
     sha256: str
     records: list[RecordSummary]
+    sample_name: str | None = None
+    instrument: str | None = None
+    model: ModelSummary | None = None
 
 
 @dataclass(frozen=True)
 class Inspection:
-    """Files, and what stands between them and processing."""
+    """Files, what stands between them and processing, and why files in `failed` could not be read."""
 
     files: list[FileSummary]
     problems: list[str]
+    failed: dict[str, GonioError | OSError] = field(default_factory=dict)
 
     @property
     def records(self) -> list[RecordSummary]:
@@ -105,6 +114,7 @@ class Inspection:
             "quantities": self.quantities,
             "incidences": self.incidences,
             "problems": self.problems,
+            "failed": {path: str(error) for path, error in self.failed.items()},
         }
 
 
@@ -115,15 +125,19 @@ def inspect(
     columns: Mapping[str, str] | None = None,
     quantity: str | None = None,
     channel: str | None = None,
+    upphi: float | None = None,
+    keep_going: bool = False,
 ) -> Inspection:
-    """Summarise reading files and measurement directories.
+    """Summarise reading files, measurement directories and Radiance BSDF XML files.
 
     Parameters
     ----------
     paths
         One path or many.
-    format, columns, quantity, channel
-        As in `gonio.read`.
+    format, columns, quantity, channel, upphi
+        As in `gonio.read`; of an XML file `channel` takes one out.
+    keep_going
+        Put files that cannot be read into `Inspection.failed` and go on with the others.
 
     Raises
     ------
@@ -136,9 +150,18 @@ def inspect(
         "columns": columns,
         "quantity": quantity,
         "channel": channel,
+        "upphi": upphi,
     }
-    files = [_summary(Path(path), options) for path in many]
-    return Inspection(files=files, problems=_problems(files))
+    files: list[FileSummary] = []
+    failed: dict[str, GonioError | OSError] = {}
+    for path in many:
+        try:
+            files.append(_summary(Path(path), options))
+        except (GonioError, OSError) as error:
+            if not keep_going:
+                raise
+            failed[os.fspath(path)] = error
+    return Inspection(files=files, problems=_problems(files), failed=failed)
 
 
 def _summary(path: Path, options: Mapping[str, Any]) -> FileSummary:
@@ -151,6 +174,18 @@ def _summary(path: Path, options: Mapping[str, Any]) -> FileSummary:
             bytes=sum(p.stat().st_size for p in parts),
             sha256=sha256(path / JSON_NAME),
             records=[_record(s) for s in measurement.slices],
+            sample_name=measurement.sample_name,
+        )
+    if options["format"] is None and model_files.is_radiance_xml(path):
+        model = model_files.summarise(path, channel=options["channel"])
+        return FileSummary(
+            path=os.fspath(path),
+            format=model_files.FORMAT,
+            bytes=path.stat().st_size,
+            sha256=sha256(path),
+            records=[],
+            sample_name=model.name or None,
+            model=model,
         )
     found, scans = read_file(path, **options)
     return FileSummary(
@@ -159,7 +194,14 @@ def _summary(path: Path, options: Mapping[str, Any]) -> FileSummary:
         bytes=path.stat().st_size,
         sha256=sha256(path),
         records=[_record(s) for s in scans],
+        sample_name=_stated(scans, "sample_name"),
+        instrument=_stated(scans, "instrument"),
     )
+
+
+def _stated(scans: Sequence[Scan], name: str) -> str | None:
+    """What the scans state under `name`, each value once."""
+    return ", ".join(dict.fromkeys(str(s.meta[name]) for s in scans if s.meta.get(name))) or None
 
 
 def _record(scan: Scan | Slice) -> RecordSummary:
@@ -176,6 +218,8 @@ def _record(scan: Scan | Slice) -> RecordSummary:
         readings=len(value),
         theta_s_min=float(theta_s.min()) if len(theta_s) else None,
         theta_s_max=float(theta_s.max()) if len(theta_s) else None,
+        phi_s_min=float(scan.phi_s.min()) if len(theta_s) else None,
+        phi_s_max=float(scan.phi_s.max()) if len(theta_s) else None,
         value_min=float(finite.min()) if len(finite) else None,
         value_max=float(finite.max()) if len(finite) else None,
         negative=int(np.count_nonzero(finite < 0)),
@@ -187,16 +231,23 @@ def _record(scan: Scan | Slice) -> RecordSummary:
 def _problems(files: Sequence[FileSummary]) -> list[str]:
     """What stands between these files and `gonio process`, in sentences."""
     records = [r for file in files for r in file.records]
-    problems = [f"{f.path}: holds no record" for f in files if not f.records]
+    problems = [f"{f.path}: holds no record" for f in files if not f.records and f.model is None]
+    problems += [
+        f"{f.path}: a model, not readings: gonio.read_radiance evaluates it" for f in files if f.model
+    ]
     quantities = list(dict.fromkeys(r.quantity for r in records))
     if len(quantities) > 1:
         problems.append(f"mixed quantities ({', '.join(quantities)}): process them apart")
+    kinds = {r.kind for r in records}
     samples = {r.channel for r in records if r.kind == "sample"}
     beams = {r.channel for r in records if r.kind == "beam"}
-    if "signal" in quantities and not beams and not any(r.kind == "standard" for r in records):
+    signals = any(r.kind == "sample" and r.quantity == "signal" for r in records)
+    if signals and "dark" not in kinds:
+        problems.append("raw signals without a dark or blank scan: name one with --dark of gonio process")
+    if signals and not beams and "standard" not in kinds:
         problems.append(
             "raw signals without a reference scan of the beam or a standard: "
-            "name one with --beam or --standard"
+            "name one with --beam or --standard of gonio process"
         )
     elif beams and samples - beams:
         problems.append(f"no reference scan of the beam in channel {', '.join(sorted(samples - beams))}")
@@ -209,5 +260,5 @@ def _problems(files: Sequence[FileSummary]) -> list[str]:
         )
     empty = sum(r.readings == 0 for r in records)
     if empty:
-        problems.append(f"{empty} empty scans")
+        problems.append(f"{empty} empty scan{'s' if empty > 1 else ''}")
     return problems

@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 
 from gonio._native import DomainError, FormatError, QuantityError, Scan
 from gonio.files import replacing_file
+from gonio.measurement import FORMAT as MEASUREMENT
 
 FORMAT = "gonio-raw"
 FORMAT_VERSION = 1
@@ -35,6 +36,12 @@ COLUMNS: dict[str, tuple[str, str]] = {
 NAMES = ("kind", "quantity", "channel")
 ANGLES = ("theta_i", "phi_i")
 READINGS = ("theta_s", "phi_s", "value")
+
+PROCESSED = (
+    "file: found processed readings that gonio wrote, allowed raw readings; give the directory that gonio "
+    "process wrote, or state --column value=dsf --quantity dsf (columns=, quantity=) to take them as readings"
+)
+"""Error of a file that `gonio.export` wrote as a table."""
 
 Array = npt.NDArray[Any]
 
@@ -127,6 +134,8 @@ def read(
         except pa.ArrowException as error:
             raise FormatError(f"{file}: found no readable Parquet file ({error})") from error
     metadata = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
+    if metadata.get("format") == MEASUREMENT and not columns:
+        raise FormatError(f"{file}: {PROCESSED}")
     try:
         if metadata.get("format") == FORMAT and columns is None:
             return _own(metadata, table, source=os.fspath(file))

@@ -10,9 +10,15 @@ from typing import overload
 import pyarrow as pa
 
 from gonio import _native, raw_parquet, rt300s
-from gonio._native import Scan
+from gonio._native import DomainError, FormatError, Scan
 
 PathLike = str | os.PathLike[str]
+
+FORMATS = ("mountain", "gonio-raw", "nist-ptfe", "table", "parquet", rt300s.FORMAT)
+"""Names of the formats of readings; docs/formats has a page on each."""
+
+_EXPORTED = ["slice", "theta_i", "phi_i", "channel", "theta_s", "phi_s", "dsf"]
+"""First columns of a table that `gonio.export` wrote."""
 
 
 class Readings(Sequence[Scan]):
@@ -96,7 +102,7 @@ def read(
     paths
         One path or many; docs/formats lists the formats.
     format
-        Name of the format; None recognises it.
+        Name of the format (`FORMATS`); None recognises it.
     columns
         For generic CSV and Parquet: gonio's column names to those of the file, see docs/formats/table.md.
     kind, quantity, channel
@@ -143,7 +149,11 @@ def read_file(
 ) -> tuple[str, list[Scan]]:
     """Name of the format and scans of one file; arguments and errors as in `read`."""
     stated = {"kind": kind, "quantity": quantity, "channel": channel}
-    found = format or _binary_format(path)
+    if format is not None and format.lower() not in FORMATS:
+        raise DomainError(f"format: found {format!r}, allowed {', '.join(FORMATS)}")
+    found = format.lower() if format else _binary_format(path)
+    if not columns:
+        _refuse_exported(Path(path))
     if found == "parquet":
         return found, raw_parquet.read(path, columns=columns, **stated)
     if found == rt300s.FORMAT:
@@ -157,3 +167,16 @@ def _binary_format(path: PathLike) -> str | None:
     with Path(path).open("rb") as file:
         start = file.read(8)
     return {b"PAR1": "parquet", rt300s.MAGIC[:4]: rt300s.FORMAT}.get(start[:4])
+
+
+def _refuse_exported(path: Path) -> None:
+    """Tell what to do with a file of processed readings, which lacks half of what a measurement holds."""
+    with path.open("rb") as file:
+        start = file.read(256)
+    if start.startswith((b"\x89HDF", b"CDF")):
+        raise FormatError(
+            f"{path}: file: found HDF5 or netCDF, allowed {', '.join(FORMATS)}; gonio writes netCDF for "
+            "other programs (xarray.open_dataset reads it) and takes the directory that gonio process wrote"
+        )
+    if start.replace(b'"', b"").startswith(",".join(_EXPORTED).encode()):
+        raise FormatError(f"{path}: {raw_parquet.PROCESSED}")

@@ -108,7 +108,10 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
         },
         str::to_string,
     );
-    let allowed = format!("{}; state the format of a table, and its columns", names());
+    let allowed = format!(
+        "{}, rt300s and parquet (Python package); state the format of a table, and its columns",
+        names()
+    );
     unknown(kind, &allowed)
 }
 

@@ -105,6 +105,17 @@ impl Klems {
         PyArray1::from_slice(py, m.values()).reshape([m.exit().len(), m.incident().len()])
     }
 
+    /// Names of the angle bases of one component: (incident, exit).
+    #[pyo3(signature = (*, side="front", component="reflection"))]
+    fn bases(&self, side: &str, component: &str) -> PyResult<(String, String)> {
+        let (s, c) = (side_of(side)?, component_of(component)?);
+        let m = self
+            .model
+            .matrix(s, c)
+            .ok_or_else(|| QuantityError::new_err(format!("component: found no {side} {component}")))?;
+        Ok((m.incident().name().to_owned(), m.exit().name().to_owned()))
+    }
+
     /// Directional albedo of each incident patch of one component.
     #[pyo3(signature = (*, side="front", component="reflection"))]
     fn albedo<'py>(
@@ -151,6 +162,13 @@ impl TensorTree {
             .iter()
             .next()
             .map_or(0, |(_, _, t)| t.rank().dimensions())
+    }
+
+    /// Directional albedo of one component at one incidence (degrees); 0 where it is not there.
+    #[pyo3(signature = (*, theta_i, phi_i=0.0, component="reflection"))]
+    fn albedo(&self, theta_i: f64, phi_i: f64, component: &str) -> PyResult<f64> {
+        let wi = crate::arrays::angles(["theta_i", "phi_i"], theta_i, phi_i)?.direction();
+        Ok(self.model.directional_albedo(wi, component_of(component)?))
     }
 
     /// Number of cells of all components.
@@ -207,6 +225,13 @@ fn read_radiance_xml(py: Python<'_>, path: PathBuf, channel: &str) -> PyResult<P
     let xml = py.detach(|| radiance_xml::read(&path, channel)).or_raise()?;
     let material = material_dict(py, &xml.material)?;
     wrap(py, xml.model, PyDict::new(py).unbind(), material)
+}
+
+/// Names of the channels that a BSDF XML file has scattering data for; errors as in `read_radiance_xml`.
+#[pyfunction]
+fn radiance_xml_channels(py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
+    let found = py.detach(|| radiance_xml::channels(&path)).or_raise()?;
+    Ok(found.iter().map(ToString::to_string).collect())
 }
 
 /// Reduce a model to Klems matrices by averaging over pairs of patches.
@@ -412,6 +437,7 @@ pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<Klems>()?;
     m.add_class::<TensorTree>()?;
     m.add_function(wrap_pyfunction!(read_radiance_xml, m)?)?;
+    m.add_function(wrap_pyfunction!(radiance_xml_channels, m)?)?;
     m.add_function(wrap_pyfunction!(to_klems, m)?)?;
     m.add_function(wrap_pyfunction!(to_tensor_tree, m)?)?;
     m.add_function(wrap_pyfunction!(write_radiance_xml, m)?)?;

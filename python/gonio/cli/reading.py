@@ -7,9 +7,11 @@ from typing import Annotated
 import typer
 
 from gonio.cli.running import pairs
+from gonio.readings import FORMATS
 
 Format = Annotated[
-    str | None, typer.Option("--format", help="File format, where the file does not tell it itself.")
+    str | None,
+    typer.Option("--format", help=f"{', '.join(FORMATS)}; where the file does not tell it itself."),
 ]
 Columns = Annotated[
     list[str] | None,

@@ -15,7 +15,7 @@ use gonio_bsdf::tensor_tree::TensorTree;
 use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{Component, Side};
 
-pub use read::{read, read_from};
+pub use read::{channels, read, read_from};
 pub use write::{write, write_to};
 
 /// A model as the file holds it.

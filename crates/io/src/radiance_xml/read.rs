@@ -25,12 +25,25 @@ use crate::{IoError, excerpt};
 /// basis, a value that is no BSDF, too few or too many values, two blocks for one component, or no data for `channel`
 /// (the message lists the wavelengths that are there).
 pub fn read(path: &Path, channel: Channel) -> Result<RadianceXml, IoError> {
+    read_from(open(path)?, path, channel)
+}
+
+/// The channels that a BSDF XML file has scattering data for, in the order of the file; those that gonio has no name
+/// for (colour coordinates) are left out. The numbers themselves are passed over unread.
+///
+/// # Errors
+/// As [`read`], but for the data.
+pub fn channels(path: &Path) -> Result<Vec<Channel>, IoError> {
+    Ok(stream(open(path)?, path, None)?.channels)
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, IoError> {
     let refused = |e| IoError::file(path, e);
     let file = File::open(path).map_err(refused)?;
     if file.metadata().map_err(refused)?.is_dir() {
         return Err(refused(std::io::ErrorKind::IsADirectory.into()));
     }
-    read_from(BufReader::with_capacity(1 << 16, file), path, channel)
+    Ok(BufReader::with_capacity(1 << 16, file))
 }
 
 /// [`read`] from any stream; `path` is only named in errors.
@@ -38,6 +51,11 @@ pub fn read(path: &Path, channel: Channel) -> Result<RadianceXml, IoError> {
 /// # Errors
 /// As [`read`].
 pub fn read_from(input: impl BufRead, path: &Path, channel: Channel) -> Result<RadianceXml, IoError> {
+    stream(input, path, Some(channel))?.finish(channel)
+}
+
+/// The state at the end of the stream, with the data of `channel` or, without one, of none.
+fn stream<'a>(input: impl BufRead, path: &'a Path, channel: Option<Channel>) -> Result<State<'a>, IoError> {
     let mut reader = Reader::from_reader(Lines::new(input));
     reader.config_mut().expand_empty_elements = true;
     let mut state = State::new(path, channel);
@@ -94,7 +112,10 @@ pub fn read_from(input: impl BufRead, path: &Path, channel: Channel) -> Result<R
                     }
                 }
             }
-            Event::Eof => return state.finish(line),
+            Event::Eof => {
+                state.closed(line)?;
+                return Ok(state);
+            }
             Event::Empty(_) | Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::DocType(_) => {}
         }
         if state.in_scattering_data() {

@@ -25,7 +25,8 @@ pub(super) enum Sink {
 /// The reader's state.
 pub(super) struct State<'a> {
     pub(super) path: &'a Path,
-    pub(super) channel: Channel,
+    /// The channel whose data are kept; None keeps none and only lists what is there.
+    pub(super) channel: Option<Channel>,
     pub(super) stack: Vec<String>,
     pub(super) text: String,
     pub(super) unit: String,
@@ -37,6 +38,7 @@ pub(super) struct State<'a> {
     pub(super) blocks: Vec<Block>,
     pub(super) wavelength: Option<(String, Option<Channel>)>,
     pub(super) seen: Vec<String>,
+    pub(super) channels: Vec<Channel>,
     pub(super) direction: Option<(Side, Component)>,
     pub(super) column: Option<KlemsBasis>,
     pub(super) row: Option<KlemsBasis>,
@@ -46,7 +48,7 @@ pub(super) struct State<'a> {
 }
 
 impl<'a> State<'a> {
-    pub(super) fn new(path: &'a Path, channel: Channel) -> Self {
+    pub(super) fn new(path: &'a Path, channel: Option<Channel>) -> Self {
         State {
             path,
             channel,
@@ -61,6 +63,7 @@ impl<'a> State<'a> {
             blocks: Vec::new(),
             wavelength: None,
             seen: Vec::new(),
+            channels: Vec::new(),
             direction: None,
             column: None,
             row: None,
@@ -133,7 +136,10 @@ impl<'a> State<'a> {
         let Some((side, component)) = self.direction else {
             return Ok(()); // absorptance and the like
         };
-        if channel != Some(self.channel) {
+        if let Some(there) = channel.filter(|c| !self.channels.contains(c)) {
+            self.channels.push(there);
+        }
+        if channel.is_none() || channel != self.channel {
             return Ok(());
         }
         if self.matrices.get(side, component).is_some() || self.trees.get(side, component).is_some() {
@@ -242,13 +248,19 @@ impl<'a> State<'a> {
         Ok(())
     }
 
-    pub(super) fn finish(self, line: u64) -> Result<RadianceXml, IoError> {
-        if let Some(open) = self.stack.last() {
-            return Err(self.error(line, open, "the end of the file", "the end of the element"));
+    /// All elements are closed at the end of the file.
+    pub(super) fn closed(&self, line: u64) -> Result<(), IoError> {
+        match self.stack.last() {
+            Some(open) => Err(self.error(line, open, "the end of the file", "the end of the element")),
+            None => Ok(()),
         }
+    }
+
+    /// The model of `channel`, the one the data were kept of.
+    pub(super) fn finish(self, channel: Channel) -> Result<RadianceXml, IoError> {
         let model = match (self.matrices.is_empty(), self.trees.is_empty()) {
-            (false, true) => Tabulated::Klems(Klems::new(self.channel, self.matrices)),
-            (true, false) => Tabulated::TensorTree(TensorTree::new(self.channel, self.trees)),
+            (false, true) => Tabulated::Klems(Klems::new(channel, self.matrices)),
+            (true, false) => Tabulated::TensorTree(TensorTree::new(channel, self.trees)),
             (false, false) => {
                 return Err(IoError::format(
                     self.path,
@@ -269,7 +281,7 @@ impl<'a> State<'a> {
                     None,
                     "Wavelength",
                     there,
-                    format!("data for the channel asked for ({})", self.channel),
+                    format!("data for the channel asked for ({channel})"),
                 ));
             }
         };
