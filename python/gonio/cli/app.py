@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
@@ -14,13 +15,12 @@ from gonio.cli.export import export
 from gonio.cli.inspect import inspect
 from gonio.cli.process import process
 from gonio.cli.report import report
-from gonio.cli.running import verb
+from gonio.cli.running import EXIT_ERROR, EXIT_INTERRUPTED, err, guarded, verb
 from gonio.cli.simulate import simulate
 
 app = typer.Typer(
     name="gonio",
     help="From the raw readings of a goniophotometer to a checked scattering model (BSDF).",
-    no_args_is_help=True,
     pretty_exceptions_enable=False,
     add_completion=False,
 )
@@ -46,5 +46,30 @@ for function in (inspect, process, check, build, export, report, simulate, demo)
 
 
 def main() -> None:
-    """Run the command line."""
-    app()
+    """Run the command line; without arguments it lists the verbs."""
+    code = 0
+
+    def run() -> None:
+        nonlocal code
+        code = _command(sys.argv[1:] or ["--help"])
+
+    sys.exit(guarded(run, debug=False) or code)
+
+
+def _command(arguments: list[str]) -> int:
+    """Exit code of the command; an error of usage is one line on stderr."""
+    try:
+        code = app(arguments, prog_name="gonio", standalone_mode=False) or 0
+    except Exception as error:
+        # Older typer has these from click, newer from within itself: only the method is common.
+        if not hasattr(error, "format_message"):
+            raise
+        context = getattr(error, "ctx", None)
+        verb = context.command_path if context else "gonio"
+        message = " ".join(error.format_message().split()).rstrip(".")
+        err.print(f"gonio: {message}; {verb} --help lists the options")
+        return EXIT_ERROR
+    # Verbs end with SystemExit when they have told of an interruption; this one came outside of them.
+    if code == EXIT_INTERRUPTED:
+        raise KeyboardInterrupt
+    return int(code)

@@ -63,7 +63,7 @@ def verb(app: typer.Typer, function: F) -> None:
     def run(*args: Any, debug: bool = False, **kwargs: Any) -> None:
         code = guarded(lambda: function(*args, **kwargs), debug=debug)
         if code:
-            raise typer.Exit(code)
+            raise SystemExit(code)
 
     hints = get_type_hints(function, include_extras=True) | {"debug": Debug}
     parameters = [
