@@ -10,6 +10,13 @@ from gonio.working import Progress, interruptible, silent
 COVERAGE = ("measured", "interpolated", "extrapolated", "missing")
 """Names of the codes that `DataDriven.coverage` returns."""
 
+CANDIDATES = tuple(
+    name + suffix
+    for name in ("base + half-vector", "base + mirror-frame", "base + cosine-shift", "mirror-frame", "naive")
+    for suffix in ("", ", cubic")
+)
+"""Names of the interpolations over incidence."""
+
 
 def build(
     measurement: MeasurementOrPath,
@@ -35,7 +42,7 @@ def build(
     smooth
         Whether readings are smoothed within their stated noise.
     candidate
-        Interpolation over incidence by name, as in `DataDriven.summary`; by default the one with the least
+        Interpolation over incidence, one of `CANDIDATES`; by default the one with the least
         leave-one-incidence-out error.
     progress
         Called with stage, parts done and parts in all.

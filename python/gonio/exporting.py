@@ -58,6 +58,8 @@ def export(
     out: PathLike,
     channel: str | None = None,
     symmetry: str = "auto",
+    smooth: bool = True,
+    candidate: str | None = None,
     components: Sequence[Component] | None = None,
     basis: str = "full",
     cap_albedo: bool = False,
@@ -73,6 +75,9 @@ def export(
 ) -> Export:
     """Write a measurement or a model in the format of another program, whole or not at all.
 
+    The Radiance formats hold a model: of a measurement the data-driven one that `gonio.build` makes, which
+    takes at least two incidences. The others hold the readings.
+
     Parameters
     ----------
     source
@@ -86,6 +91,8 @@ def export(
         The channel; needed for the Radiance formats where there are several, takes one out for the others.
     symmetry
         Symmetry of the data-driven model, as in `gonio.build`.
+    smooth, candidate
+        Smoothing and interpolation of the data-driven model, as in `gonio.build`.
     components
         Side of incidence and component of what a Radiance file holds, for example ("front", "reflection");
         None takes all that scatter.
@@ -96,9 +103,9 @@ def export(
     rank
         Rank of radiance-ttree: 3 (isotropic), 4, or None for what the model needs.
     max_depth
-        Finest cells of radiance-ttree: 2**-max_depth of the square's side.
+        Finest cells of radiance-ttree: 2**-max_depth of the square's side; None is 8.
     target
-        Relative L1 error at which the refinement of radiance-ttree stops.
+        Relative L1 error at which the refinement of radiance-ttree stops; None is 0.03.
     name, manufacturer, thickness
         Metadata of a Radiance file, thickness in metres; the name is the sample's unless given.
     as_visible
@@ -113,7 +120,8 @@ def export(
     DomainError
         An option outside its choices.
     QuantityError
-        A channel that is not there or not named among several; a table of a model.
+        A channel that is not there or not named among several; a component that was not measured; a table of
+        a model.
     FitError
         A measurement that no model can be built from.
     FormatError
@@ -126,7 +134,19 @@ def export(
     target_path = Path(out)
     if to in MODEL_FORMATS:
         sample = None if isinstance(source, Bsdf) else loaded(source)
-        model = _model(source, sample, channel=channel, symmetry=symmetry, progress=progress)
+        model = (
+            source
+            if isinstance(source, Bsdf)
+            else build(
+                sample or source,
+                channel=channel,
+                symmetry=symmetry,
+                smooth=smooth,
+                candidate=candidate,
+                progress=progress,
+            )
+        )
+        _check_measured(model, components or ())
         shared: dict[str, Any] = {"components": components, "channel": channel}
         progress("reducing", 0, 1)
         reduced: _native.Klems | _native.TensorTree
@@ -149,7 +169,12 @@ def export(
             thickness=thickness,
             as_visible=as_visible,
         )
-        notes = model.warnings if isinstance(model, _native.DataDriven) else []
+        notes = list(model.warnings) if isinstance(model, _native.DataDriven) else []
+        if not as_visible and (label := reduced.channels[0]) != "photopic":
+            notes.append(
+                f"the data are labelled {label}, and Radiance renders what is labelled Visible only: "
+                "--as-visible (as_visible=True) labels them so"
+            )
         return Export(to=to, out=target_path, report=report, warnings=notes)
     if isinstance(source, Bsdf):
         raise QuantityError(f"source: found a model, needed a measurement to write {to}")
@@ -212,17 +237,18 @@ def _loss(
     return losses
 
 
-def _model(
-    source: MeasurementOrPath | Bsdf,
-    sample: Measurement | None,
-    *,
-    channel: str | None,
-    symmetry: str,
-    progress: Progress,
-) -> Bsdf:
-    if isinstance(source, Bsdf):
-        return source
-    return build(sample or source, channel=channel, symmetry=symmetry, progress=progress)
+def _check_measured(model: Bsdf, components: Sequence[Component]) -> None:
+    """Refuse components that a data-driven model knows nothing of: it answers 0 for them."""
+    if not isinstance(model, _native.DataDriven):
+        return
+    measured = [(part["side"], part["component"]) for part in model.summary]
+    for side, component in components:
+        known = side in ("front", "back") and component in ("reflection", "transmission")
+        if known and (side, component) not in measured:
+            there = ", ".join(dict.fromkeys("-".join(m) for m in measured))
+            raise QuantityError(
+                f"component: found {side}-{component}, which was not measured, needed one of {there}"
+            )
 
 
 def _of_channel(measurement: Measurement, channel: str | None) -> Measurement:

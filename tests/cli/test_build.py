@@ -3,6 +3,7 @@ import json
 import gonio
 import numpy as np
 import pytest
+from gonio.building import CANDIDATES
 
 from tests.cli.conftest import one_clear_error
 
@@ -46,6 +47,11 @@ def test_build_shows_the_errors(run, measured):
     done = run("build", measured)
     assert done.code == 0
     assert "predicted from the others" in done.out
+
+
+def test_the_candidates_named_are_those_of_the_core(run, measured):
+    done = run("build", measured, "--candidate", "magic")
+    assert tuple(done.err.split("allowed ")[1].strip().split("; ")) == CANDIDATES
 
 
 def test_one_incidence_is_too_few(run, tmp_path):

@@ -65,6 +65,59 @@ def test_a_single_wavelength_is_rendered_only_as_visible(run, tmp_path):
     assert model.channels == ["photopic"]
 
 
+def test_a_single_wavelength_that_is_not_rendered_is_told(run, tmp_path):
+    gonio.process([lambertian(t, channel="532nm") for t in (10, 50)], out=tmp_path / "green")
+    for to in ("radiance-klems", "radiance-ttree"):
+        options = ["--to", to, "--max-depth", "3", "-o", "out.xml"]
+        done = run("export", tmp_path / "green", *options)
+        assert done.code == 0
+        assert "labelled 532nm" in done.err
+        assert "--as-visible" in done.err
+        assert "labelled" not in run("export", tmp_path / "green", *options, "--as-visible").err
+
+
+def test_a_component_that_was_not_measured_is_an_error(run, measured, tmp_path):
+    for to in ("radiance-klems", "radiance-ttree"):
+        options = ["--to", to, "--component", "back-transmission", "-o", "out.xml"]
+        one_clear_error(
+            run("export", measured, *options), "back-transmission", "needed one of front-reflection"
+        )
+    assert listing(tmp_path) == ["m"]
+
+
+def test_export_takes_the_interpolation_and_smoothing_of_build(run, measured, tmp_path):
+    scans = [lobed(t) for t in (10, 30, 50, 70)]
+    gonio.process(scans, out=tmp_path / "lobed")
+    albedo = {}
+    for candidate in ("naive", "base + half-vector"):
+        options = ["--to", "radiance-klems", "--no-smooth", "--candidate", candidate, "-o", "out.xml"]
+        assert run("export", tmp_path / "lobed", *options).code == 0
+        model = gonio.build(tmp_path / "lobed", smooth=False, candidate=candidate)
+        gonio.export(model, to="radiance-klems", out=tmp_path / "direct.xml")
+        written = [gonio.read_radiance(tmp_path / f) for f in ("out.xml", "direct.xml")]
+        matrices = [m.matrix() for m in written]
+        np.testing.assert_array_equal(*matrices)
+        albedo[candidate] = matrices[0]
+    assert not np.allclose(albedo["naive"], albedo["base + half-vector"], rtol=1e-3)
+
+
+def lobed(theta_i):
+    """A diffuse base with a wide lobe about the mirror direction."""
+    flat = lambertian(theta_i)
+    theta_s, phi_s = np.radians(flat.theta_s), np.radians(flat.phi_s)
+    x = np.sin(theta_s) * np.cos(phi_s) + np.sin(np.radians(theta_i))
+    y = np.sin(theta_s) * np.sin(phi_s)
+    return gonio.Scan(
+        quantity="bsdf",
+        theta_i=theta_i,
+        phi_i=0,
+        theta_s=flat.theta_s,
+        phi_s=flat.phi_s,
+        value=0.05 + 0.3 * np.exp(-(x**2 + y**2) / 0.15),
+        meta={"noise_readout": 1e-5},
+    )
+
+
 def test_tables_hold_every_reading(run, measured, tmp_path):
     table = gonio.Measurement.load(measured).to_table()
     assert run("export", measured, "--to", "csv", "-o", "m.csv").code == 0

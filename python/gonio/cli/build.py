@@ -8,23 +8,40 @@ from typing import Annotated
 import typer
 
 import gonio
+from gonio.building import CANDIDATES
 from gonio.cli.running import Json, out, print_json, progress_bar, warn
 
-Channel = Annotated[str | None, typer.Option("--channel", help="The channel; the only one there is.")]
-Symmetry = Annotated[str, typer.Option("--symmetry", help="auto, isotropic or anisotropic.")]
+Channel = Annotated[
+    str | None,
+    typer.Option("--channel", help="Channel such as photopic or 532nm; needed where there are several."),
+]
+Symmetry = Annotated[
+    str, typer.Option("--symmetry", help="auto (told from the data), isotropic or anisotropic.")
+]
+Smooth = Annotated[
+    bool, typer.Option("--smooth/--no-smooth", help="Smooth readings within their stated noise.")
+]
+Candidate = Annotated[
+    str | None,
+    typer.Option(
+        "--candidate",
+        help=f"Interpolation over incidence: {'; '.join(CANDIDATES)}. Without it the one that predicts "
+        "left-out incidences best.",
+    ),
+]
 
 
 def build(
     measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
     channel: Channel = None,
     symmetry: Symmetry = "auto",
-    smooth: Annotated[bool, typer.Option(help="Smooth readings within their stated noise.")] = True,
-    candidate: Annotated[str | None, typer.Option(help="Interpolation over incidence; chosen.")] = None,
+    smooth: Smooth = True,
+    candidate: Candidate = None,
     json: Json = False,
 ) -> None:
     """Build a data-driven model and show how well it predicts incidences it was not given.
 
-    gonio export builds the same model and writes it as a file.
+    Nothing is written: gonio export --to radiance-… builds the same model and writes it as a file.
     """
     with progress_bar(hidden=json) as progress:
         model = gonio.build(

@@ -21,7 +21,9 @@ def check(
     ] = None,
     isotropic: Annotated[
         bool | None,
-        typer.Option("--isotropic/--anisotropic", help="What the sample is; told from the azimuths."),
+        typer.Option(
+            "--isotropic/--anisotropic", help="What the sample is. Without it told from the azimuths."
+        ),
     ] = None,
     json: Json = False,
 ) -> None:

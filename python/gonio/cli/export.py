@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 import gonio
-from gonio.cli.build import Channel, Symmetry
+from gonio.cli.build import Candidate, Channel, Smooth, Symmetry
 from gonio.cli.running import Force, Json, out, print_json, progress_bar, warn
 
 
@@ -20,20 +20,28 @@ def export(
     target: Annotated[Path, typer.Option("-o", "--out", help="File; a directory for mountain.")],
     channel: Channel = None,
     symmetry: Symmetry = "auto",
+    smooth: Smooth = True,
+    candidate: Candidate = None,
     component: Annotated[
         list[str] | None,
-        typer.Option(metavar="SIDE-COMPONENT", help="Such as front-reflection; repeat it; all that scatter."),
+        typer.Option(
+            metavar="SIDE-COMPONENT", help="Such as front-reflection; repeat it. Without it all that scatter."
+        ),
     ] = None,
     basis: Annotated[str, typer.Option(help="Klems patches: full, half or quarter.")] = "full",
     cap_albedo: Annotated[
         bool, typer.Option("--cap-albedo", help="Scale Klems patches of albedo above 1 to 1.")
     ] = False,
-    rank: Annotated[int | None, typer.Option(help="Tensor tree: 3 or 4; what the model needs.")] = None,
-    max_depth: Annotated[int | None, typer.Option(help="Tensor tree: cells of side 2**-depth.")] = None,
-    tolerance: Annotated[
-        float | None, typer.Option(help="Tensor tree: relative L1 error to stop at.")
+    rank: Annotated[
+        int | None, typer.Option(help="Tensor tree: 3 or 4. Without it what the model needs.")
     ] = None,
-    name: Annotated[str | None, typer.Option(help="Name of the material; the sample's.")] = None,
+    max_depth: Annotated[
+        int | None, typer.Option(help="Tensor tree: finest cells of side 2**-depth; 8 unless given.")
+    ] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Tensor tree: relative L1 error to stop at; 0.03 unless given.")
+    ] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the material. Without it the sample's.")] = None,
     manufacturer: Annotated[str, typer.Option(help="Its manufacturer.")] = "",
     thickness: Annotated[float | None, typer.Option(help="Its thickness, metres.")] = None,
     as_visible: Annotated[
@@ -42,7 +50,11 @@ def export(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write a measurement, or the model built from it, in the format of another program."""
+    """Write a measurement, or the model built from it, in the format of another program.
+
+    The radiance formats build the model of gonio build first, which takes at least two incidences; csv,
+    parquet, netcdf and mountain hold the readings.
+    """
     with progress_bar(hidden=json) as progress:
         written = gonio.export(
             measurement,
@@ -50,6 +62,8 @@ def export(
             out=target,
             channel=channel,
             symmetry=symmetry,
+            smooth=smooth,
+            candidate=candidate,
             components=[_component(text) for text in component] if component else None,
             basis=basis,
             cap_albedo=cap_albedo,

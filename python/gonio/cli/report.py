@@ -14,9 +14,9 @@ from gonio.cli.running import Json, out, print_json, progress_bar
 def report(
     measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
     to: Annotated[
-        Path | None, typer.Option("-o", "--out", help="HTML file; report.html in the directory.")
+        Path | None, typer.Option("-o", "--out", help="HTML file. Without it report.html in the directory.")
     ] = None,
-    title: Annotated[str | None, typer.Option(help="Heading; the name of the sample.")] = None,
+    title: Annotated[str | None, typer.Option(help="Heading. Without it the name of the sample.")] = None,
     json: Json = False,
 ) -> None:
     """Write the report of a measurement as one HTML file."""
