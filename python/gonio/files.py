@@ -154,8 +154,6 @@ def _about(target: Path, staged: Path, error: OSError) -> OSError:
     """The refusal, with the name the user gave in place of that of the temporary file."""
     number = error.errno or errno.EIO
     reason = os.strerror(error.errno) if error.errno else str(error)
-    if error.strerror and staged.name not in error.strerror:
-        reason = error.strerror
     return OSError(number, reason.replace(str(staged), str(target)), os.fspath(target))
 
 

@@ -72,3 +72,21 @@ def test_a_directory_with_other_files_is_refused_before_the_work(process, tmp_pa
     one_clear_error(process(), "out", "other files", "--force")
     assert process("--force").code == 0
     assert "thesis.tex" in listing(tmp_path / "out")
+
+
+def test_the_extrapolated_part_is_a_share_of_the_integral(process, tmp_path):
+    done = process()
+    (integral,) = gonio.Measurement.load(tmp_path / "out").slices[0].integrals
+    share = 100 * integral.extrapolated / integral.value
+    assert f"{share:.1f} % of it extrapolated" in done.out
+
+
+def test_readings_in_one_plane_have_no_integral_and_that_is_told(run, tmp_path):
+    theta_s = [5.0, 20.0, 40.0, 60.0, 80.0]
+    scan = gonio.Scan(
+        quantity="bsdf", theta_i=30, phi_i=0, theta_s=theta_s, phi_s=[180.0] * 5, value=[0.1] * 5
+    )
+    gonio.Readings([scan]).save(tmp_path / "plane.txt")
+    done = run("process", tmp_path / "plane.txt", "-o", "out")
+    assert done.code == 0
+    assert "no DHR or DHT: the usable readings cover less than a tenth" in done.out

@@ -86,9 +86,12 @@ def process(
         done = "corrected" if align else "not corrected"
         out.print(f"  tilt {tilt['tilt']:.3f} deg, azimuth offset {tilt['azimuth']:.3f} deg ({done})")
     for s in measurement.slices:
+        place = f"  {s.channel}  theta_i {s.theta_i:.4g}  phi_i {s.phi_i:.4g}"
+        if not s.integrals:
+            out.print(f"{place}  no DHR or DHT: the usable readings cover less than a tenth of a hemisphere")
         for i in s.integrals:
             name = "DHR" if (s.theta_i <= 90) == (i.side == "front") else "DHT"
+            share = 100 * i.extrapolated / i.value if i.value else 0.0
             out.print(
-                f"  {s.channel}  theta_i {s.theta_i:.4g}  phi_i {s.phi_i:.4g}  {name} "
-                f"{i.value:.4f} ± {2 * i.u:.4f} (k = 2), {i.extrapolated:.4f} of it extrapolated",
+                f"{place}  {name} {i.value:.4f} ± {2 * i.u:.4f} (k = 2), {share:.1f} % of it extrapolated"
             )
