@@ -38,7 +38,7 @@ def check(
         Further measurements of the same sample.
     isotropic
         Whether the sample is taken as isotropic where incidences are compared; None: when all incidences
-        share one azimuth.
+        share one azimuth; no warning rests on that assumption alone.
 
     Returns
     -------
@@ -56,7 +56,8 @@ def check(
     # A loaded measurement brings its findings itself: the core made them from raw readings that are gone.
     known = {verdict.id for verdict in first._data.findings}
     verdicts = [v for v in _gravest(first.findings) if v.id not in known]
-    verdicts += interruptible(lambda: _native.check(first._data, isotropic=isotropic))
+    aligned = bool(first.provenance.get("settings", {}).get("align", False))
+    verdicts += interruptible(lambda: _native.check(first._data, isotropic=isotropic, aligned=aligned))
     if repeats:
         every = [first._data, *(loaded(m)._data for m in repeats)]
         verdicts.append(interruptible(lambda: _native.repeatability(every)))

@@ -10,11 +10,17 @@ use crate::slice::MeasurementData;
 use crate::verdict::Verdict;
 
 /// Every check one measurement allows. `isotropic=None`: taken as isotropic when all incidences share one azimuth.
+/// `aligned`: the tilt of the sample was corrected.
 #[pyfunction]
-#[pyo3(signature = (measurement, *, isotropic=None))]
-fn check(py: Python<'_>, measurement: &MeasurementData, isotropic: Option<bool>) -> Vec<Verdict> {
+#[pyo3(signature = (measurement, *, isotropic=None, aligned=false))]
+fn check(
+    py: Python<'_>,
+    measurement: &MeasurementData,
+    isotropic: Option<bool>,
+    aligned: bool,
+) -> Vec<Verdict> {
     let measurement = Arc::clone(&measurement.0);
-    let options = core::CheckOptions { isotropic };
+    let options = core::CheckOptions { isotropic, aligned };
     let found = py.detach(|| core::check(&measurement, &options));
     found.iter().map(Verdict::from).collect()
 }

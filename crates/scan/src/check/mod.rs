@@ -14,6 +14,7 @@ mod symmetry;
 use std::collections::BTreeMap;
 
 use gonio_bsdf::Channel;
+use gonio_geom::Angles;
 
 use crate::{Measurement, Slice, Verdict};
 
@@ -23,8 +24,10 @@ pub use repeatability::repeatability;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CheckOptions {
     /// Whether the sample is taken as isotropic when incidences are compared with one another. `None`: it is when
-    /// all incidences share one azimuth, so that nothing says otherwise.
+    /// all incidences share one azimuth, so that nothing says otherwise, and no verdict below pass rests on it alone.
     pub isotropic: Option<bool>,
+    /// Whether the directions were corrected for the tilt of the sample already.
+    pub aligned: bool,
 }
 
 /// Every check that one measurement allows, in a fixed order; what processing found out comes first, the worst case
@@ -47,7 +50,7 @@ pub fn check(measurement: &Measurement, options: &CheckOptions) -> Vec<Verdict> 
     out.push(energy::check(slices));
     out.push(reciprocity::check(&pairs));
     out.push(plausibility::check(slices, &pairs));
-    out.push(symmetry::check(slices));
+    out.push(symmetry::check(slices, options.aligned));
     out.push(resolution::check(slices, measurement.signature_fwhm));
     out
 }
@@ -64,6 +67,35 @@ fn same_channel_pairs(slices: &[Slice]) -> impl Iterator<Item = (usize, usize)> 
             .filter(move |&b| slices[a].channel == slices[b].channel)
             .map(move |b| (a, b))
     })
+}
+
+/// Polar angle up to which an incidence counts as normal and has no azimuth, radians.
+const NORMAL: f64 = 0.02;
+/// Distance of a direction of incidence from the common half plane up to which it shares its azimuth: what correcting
+/// a tilt of up to 3 degrees does.
+const PLANE: f64 = 0.05;
+
+/// Azimuth of the most oblique incidence; zero when all are normal.
+fn main_azimuth(incidences: &[Angles]) -> f64 {
+    let oblique = incidences
+        .iter()
+        .max_by(|a, b| a.theta.sin().total_cmp(&b.theta.sin()));
+    oblique.filter(|a| a.theta.sin() > NORMAL).map_or(0.0, |a| a.phi)
+}
+
+/// Whether all incidences lie in one half plane through the normal; normal incidence lies in every one.
+fn one_azimuth(incidences: &[Angles]) -> bool {
+    let main = main_azimuth(incidences);
+    incidences.iter().all(|a| {
+        let turn = a.phi - main;
+        let off = a.theta.sin() * turn.sin().abs();
+        off < PLANE && (turn.cos() > 0.0 || a.theta.sin() < PLANE)
+    })
+}
+
+/// Directions of incidence in the order of the slices.
+fn incidences<'a>(slices: impl IntoIterator<Item = &'a Slice>) -> Vec<Angles> {
+    slices.into_iter().map(|s| s.incidence).collect()
 }
 
 /// Channels in order of appearance.

@@ -4,7 +4,7 @@ use crate::robust::{median, sigma_about_zero};
 use crate::{Level, Slice, Verdict};
 
 use super::name;
-use super::reciprocity::Pairs;
+use super::reciprocity::{ASSUMED, Pairs};
 
 const ID: &str = "quantity";
 const TITLE: &str = "Values are the stated quantity";
@@ -56,7 +56,7 @@ pub(super) fn check(slices: &[Slice], pairs: &Pairs) -> Verdict {
     if exponents.len() < 5 {
         return match largest {
             Some((_, value, _)) if value <= 1.2 => verdict(
-                Level::Pass,
+                Level::Info,
                 Some(value),
                 format!("DHR + DHT reaches {value:.3}; too few exchanged directions to test the cosine."),
             ),
@@ -73,6 +73,13 @@ pub(super) fn check(slices: &[Slice], pairs: &Pairs) -> Verdict {
     let u = 1.25 * sigma_about_zero(&mut around).unwrap_or(0.0) / n.sqrt();
     let clear = k.abs() > EXPONENT + 2.0 * u;
     let (level, what) = match (clear, k > 0.0) {
+        _ if clear && pairs.assumed && !confirmed(pairs, k) => {
+            let sentence = format!(
+                "Exchanged directions differ as the power {k:.3} of the ratio of their cosines if the sample is \
+                 isotropic, and less in the plane of incidence. {ASSUMED}"
+            );
+            return verdict(Level::Info, Some(k), sentence);
+        }
         (true, true) => (
             Level::Fail,
             ": a cosine too many; the values look like a DSF, read them as dsf.",
@@ -92,4 +99,15 @@ pub(super) fn check(slices: &[Slice], pairs: &Pairs) -> Verdict {
             2.0 * u
         ),
     )
+}
+
+/// Whether the pairs in the plane of incidence tell the same surplus cosine.
+fn confirmed(pairs: &Pairs, k: f64) -> bool {
+    let mut exponents: Vec<f64> = pairs
+        .pairs
+        .iter()
+        .filter(|p| p.in_plane && p.log_cos_ratio.abs() > SPREAD)
+        .filter_map(|p| p.log_ratio().map(|(r, _)| r / p.log_cos_ratio))
+        .collect();
+    median(&mut exponents).is_some_and(|m| m * k.signum() > EXPONENT)
 }

@@ -5,7 +5,7 @@ use gonio_geom::{Angles, Direction};
 use crate::field::{Field, Value};
 use crate::{Level, Slice, Verdict};
 
-use super::same_channel_pairs;
+use super::{incidences, one_azimuth, same_channel_pairs};
 
 const ID: &str = "reciprocity";
 const TITLE: &str = "Helmholtz reciprocity";
@@ -29,6 +29,9 @@ pub(super) struct Pair {
     cosines: f64,
     /// Whether both directions were read themselves, so that nothing is interpolated.
     read: bool,
+    /// Whether both directions lie in the plane of incidence: exchanged so, they need no isotropic sample, only one
+    /// that half a turn about the normal leaves as it is.
+    pub(super) in_plane: bool,
 }
 
 impl Pair {
@@ -65,21 +68,23 @@ impl Pair {
 pub(super) struct Pairs {
     pub(super) pairs: Vec<Pair>,
     rotated: bool,
+    /// Whether nothing but the single azimuth of incidence says that the sample is isotropic.
+    pub(super) assumed: bool,
 }
+
+/// What to do where a verdict would rest on the sample being isotropic.
+pub(super) const ASSUMED: &str = "One azimuth of incidence does not tell whether the sample is isotropic: measure a second one, or state it with \
+     --isotropic or --anisotropic.";
 
 /// Directions whose exchange two slices of one channel both hold. With one azimuth of incidence (or `isotropic`) the
 /// comparison runs over all relative azimuths, else over the two directions of incidence only.
 pub(super) fn pairs(slices: &[Slice], isotropic: Option<bool>) -> Pairs {
-    let one_azimuth = slices.windows(2).all(|w| {
-        let turn = (w[0].incidence.phi - w[1].incidence.phi).abs();
-        turn < 1e-6 || w[0].incidence.theta < 0.02 || w[1].incidence.theta < 0.02
-    });
-    let rotated = isotropic.unwrap_or(one_azimuth);
+    let rotated = isotropic.unwrap_or_else(|| one_azimuth(&incidences(slices)));
     let fields: Vec<Field<'_>> = slices.iter().map(Field::new).collect();
     let mut out = Vec::new();
     for (a, b) in same_channel_pairs(slices) {
         let (wa, wb) = (slices[a].incidence, slices[b].incidence);
-        let mut offer = |to_b: Direction, to_a: Direction| {
+        let mut offer = |to_b: Direction, to_a: Direction, in_plane: bool| {
             if let (Some(x), Some(y)) = (fields[a].at(to_b), fields[b].at(to_a)) {
                 let ratio = (wb.theta.cos() / wa.theta.cos()).abs();
                 out.push(Pair {
@@ -87,6 +92,7 @@ pub(super) fn pairs(slices: &[Slice], isotropic: Option<bool>) -> Pairs {
                     log_cos_ratio: ratio.ln(),
                     cosines: (wa.theta.cos() * wb.theta.cos()).abs(),
                     read: fields[a].read_at(to_b) && fields[b].read_at(to_a),
+                    in_plane,
                 });
             }
         };
@@ -98,13 +104,17 @@ pub(super) fn pairs(slices: &[Slice], isotropic: Option<bool>) -> Pairs {
                 let turn = (step as f64).to_radians();
                 let to_b = Angles::canonical(wb.theta, wa.phi + turn).direction();
                 let to_a = Angles::canonical(wa.theta, wb.phi - turn).direction();
-                offer(to_b, to_a);
+                offer(to_b, to_a, step % 180 == 0);
             }
         } else {
-            offer(wb.direction(), wa.direction());
+            offer(wb.direction(), wa.direction(), true);
         }
     }
-    Pairs { pairs: out, rotated }
+    Pairs {
+        pairs: out,
+        rotated,
+        assumed: rotated && isotropic.is_none(),
+    }
 }
 
 /// Rms over `pairs` of `of`, each pair with its weight.
@@ -112,6 +122,22 @@ fn rms(pairs: &[&Pair], of: impl Fn(&Pair) -> f64) -> f64 {
     let total: f64 = pairs.iter().map(|p| p.weight()).sum();
     let square: f64 = pairs.iter().map(|p| p.weight() * of(p).powi(2)).sum();
     (square / total).sqrt()
+}
+
+/// Rms relative difference in percent, rms of difference over uncertainty, and what they mean.
+fn judge(pairs: &[&Pair]) -> (f64, Option<f64>, Level) {
+    let value = rms(pairs, |p| 100.0 * p.difference() / p.mean());
+    let score = pairs
+        .iter()
+        .all(|p| p.u() > 0.0)
+        .then(|| rms(pairs, |p| p.difference() / p.u()));
+    let stands_out = score.is_none_or(|s| s > SCORE);
+    let level = match value {
+        v if v >= FAIL && stands_out => Level::Fail,
+        v if v >= WARN && stands_out => Level::Warn,
+        _ => Level::Pass,
+    };
+    (value, score, level)
 }
 
 /// `sqrt(sum w (df / f)^2 / sum w)` with `df = f(i, s) - f(s, i)`, `f` their mean and `w = f cos theta_i cos theta_s`,
@@ -138,17 +164,22 @@ pub(super) fn check(pairs: &Pairs) -> Verdict {
         );
     }
     let relative = |p: &Pair| 100.0 * p.difference() / p.mean();
-    let value = rms(&judged, relative);
-    let score = judged
-        .iter()
-        .all(|p| p.u() > 0.0)
-        .then(|| rms(&judged, |p| p.difference() / p.u()));
-    let stands_out = score.is_none_or(|s| s > SCORE);
-    let level = match value {
-        v if v >= FAIL && stands_out => Level::Fail,
-        v if v >= WARN && stands_out => Level::Warn,
-        _ => Level::Pass,
-    };
+    let (value, score, mut level) = judge(&judged);
+    let mut unsettled = String::new();
+    if level > Level::Pass && pairs.assumed {
+        let in_plane: Vec<&Pair> = judged.iter().copied().filter(|p| p.in_plane).collect();
+        let (difference, _, of_plane) = judge(&in_plane);
+        if of_plane <= Level::Pass || in_plane.is_empty() {
+            level = Level::Info;
+            unsettled = match in_plane.len() {
+                0 => format!(" {ASSUMED}"),
+                n => format!(
+                    " The {n} in the plane of incidence, which hold for other samples too, differ by {difference:.2} %. \
+                     {ASSUMED}"
+                ),
+            };
+        }
+    }
     let mut sentence = format!(
         "{} exchanged pairs differ by {value:.2} % rms{}{}",
         judged.len(),
@@ -172,7 +203,19 @@ pub(super) fn check(pairs: &Pairs) -> Verdict {
             "; {unknown} more are in the noise or on flanks too steep to interpolate"
         ));
     }
+    match score {
+        Some(s) if level == Level::Pass && s > SCORE => {
+            sentence.push_str(&format!(
+                "; they stand out of their uncertainty, below {WARN} % it does not matter"
+            ));
+        }
+        Some(_) if level == Level::Pass && value >= WARN => {
+            sentence.push_str(&format!("; up to {SCORE} times it is no contradiction"));
+        }
+        _ => {}
+    }
     sentence.push('.');
+    sentence.push_str(&unsettled);
     if level > Level::Pass {
         sentence.push_str(
             " Look for a tilted sample, an over-filled detector field at grazing incidence or a wrong quantity; do not \

@@ -6,7 +6,7 @@ use crate::field::Field;
 use crate::{Level, Slice, Verdict};
 use gonio_geom::Angles;
 
-use super::channels;
+use super::{NORMAL, channels, incidences, main_azimuth, one_azimuth};
 
 const ID: &str = "symmetry";
 const TITLE: &str = "Symmetry of the sample";
@@ -33,7 +33,7 @@ impl Score {
 /// Names the highest symmetry the data show: rotation about the normal (isotropic), mirror planes through x and y
 /// (quadrilateral), one of them (bilateral), or none. Mirror planes are tested on slices that the plane maps onto
 /// one another, rotation on slices of one polar angle at other azimuths and on normal incidence.
-pub(super) fn check(slices: &[Slice]) -> Verdict {
+pub(super) fn check(slices: &[Slice], aligned: bool) -> Verdict {
     let Some(&channel) = channels(slices).first() else {
         return Verdict::not_applicable(ID, TITLE, "No slice.");
     };
@@ -45,20 +45,17 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
     let score = |map: &dyn Fn(Angles) -> Angles| worst(&of, &fields, map);
     let turned = |by: f64| move |a: Angles| Angles::canonical(a.theta, a.phi + by);
     let mut rotation: Option<Score> = None;
-    let mut azimuths: Vec<f64> = of.iter().map(|s| s.incidence.phi).collect();
-    azimuths.extend([0.0, FRAC_PI_2, 0.25 * PI].map(|turn| azimuths[0] + turn));
-    for &a in &azimuths {
-        let by = a - azimuths[0];
-        if by.abs() > SAME {
-            rotation = worse(rotation, score(&turned(by)));
-        }
+    let at = incidences(of.iter().copied());
+    let main = main_azimuth(&at);
+    let mut turns: Vec<f64> = [FRAC_PI_2, 0.25 * PI].to_vec();
+    turns.extend(at.iter().filter(|a| a.theta > NORMAL).map(|a| a.phi - main));
+    for by in turns.into_iter().filter(|by| by.abs() > SAME) {
+        rotation = worse(rotation, score(&turned(by)));
     }
-    let plane = score(&|a| Angles::canonical(a.theta, 2.0 * of[0].incidence.phi - a.phi));
+    let plane = score(&|a| Angles::canonical(a.theta, 2.0 * main - a.phi));
     let mirror_x = score(&|a| Angles::canonical(a.theta, -a.phi));
     let mirror_y = score(&|a| Angles::canonical(a.theta, PI - a.phi));
-    let several = of
-        .iter()
-        .any(|s| s.incidence.theta > 0.02 && (s.incidence.phi - of[0].incidence.phi).abs() > SAME);
+    let several = !one_azimuth(&at);
     let holds = |s: &Option<Score>| s.as_ref().is_some_and(Score::holds);
     let (level, value, what) = if holds(&rotation) && holds(&plane) {
         let value = worse(rotation, plane);
@@ -98,8 +95,12 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         (
             Level::Warn,
             best,
-            "No symmetry found: a tilted sample shows up like this (run the alignment), else measure more azimuths of \
-             incidence and export rank 4",
+            if aligned {
+                "No symmetry found although the tilt was corrected: measure more azimuths of incidence and export rank 4"
+            } else {
+                "No symmetry found: a tilted sample shows up like this (process it with --align), else measure more \
+                 azimuths of incidence and export rank 4"
+            },
         )
     };
     let value = value.map(|s| s.difference);
@@ -132,13 +133,16 @@ fn worst(slices: &[&Slice], fields: &[Field<'_>], map: &dyn Fn(Angles) -> Angles
             .iter()
             .position(|t| t.incidence.direction().angle_to(image) < SAME);
         let Some(partner) = partner else { continue };
-        out = worse(out, compare(s, &fields[partner], map));
+        let same = std::ptr::eq(*s, slices[partner]);
+        out = worse(out, compare(s, &fields[partner], same, map));
     }
     out
 }
 
 /// `sum |f - f'| Omega_perp / sum f Omega_perp` of a slice and its image, in percent.
-fn compare(slice: &Slice, image: &Field<'_>, map: &dyn Fn(Angles) -> Angles) -> Option<Score> {
+///
+/// Where the image is of the slice itself (`same`), readings that map onto themselves tell nothing and are left out.
+fn compare(slice: &Slice, image: &Field<'_>, same: bool, map: &dyn Fn(Angles) -> Angles) -> Option<Score> {
     let (mut difference, mut noise, mut sum, mut n) = (0.0, 0.0, 0.0, 0);
     for j in (0..slice.len()).step_by((slice.len() / READINGS).max(1)) {
         if !slice.flags[j].usable() {
@@ -148,6 +152,9 @@ fn compare(slice: &Slice, image: &Field<'_>, map: &dyn Fn(Angles) -> Angles) -> 
             theta: slice.theta_s[j],
             phi: slice.phi_s[j],
         });
+        if same && to.direction().angle_to(slice.direction(j)) < SAME {
+            continue;
+        }
         let Some(other) = image.at(to.direction()) else {
             continue;
         };

@@ -262,14 +262,93 @@ fn mostly_negative_readings_fail() {
     assert!((v.value.unwrap() - 100.0 * 5.0 / (2.0 * PI)).abs() < 1.0);
 }
 
+/// Quadrilateral and reciprocal.
+fn brushed(wi: Direction, ws: Direction) -> f64 {
+    let h = Direction::new(wi.vec() + ws.vec())
+        .unwrap_or(Direction::NORMAL)
+        .vec();
+    0.1 / PI + 0.2 * (-(h.x / 0.5).powi(2) - (h.y / 0.2).powi(2)).exp()
+}
+
+#[test]
+fn a_brushed_sample_at_one_azimuth_is_no_breach_of_reciprocity() {
+    /// Brushed askew to the plane of incidence, as no isotropic sample is.
+    fn askew(wi: Direction, ws: Direction) -> f64 {
+        let turn = |d: Direction| Direction::from_spherical(d.theta(), d.phi() + 0.5);
+        brushed(turn(wi), turn(ws))
+    }
+    let one = [(30.0, 0.0), (60.0, 0.0)];
+    let m = measurement(askew, &one);
+    let v = verdict(&m, "reciprocity");
+    assert!(v.value.unwrap() > 5.0, "{}", v.sentence);
+    assert_eq!(v.level, Level::Info, "{}", v.sentence);
+    assert!(v.sentence.contains("--anisotropic"), "{}", v.sentence);
+    let stated = |isotropic| {
+        let options = CheckOptions {
+            isotropic: Some(isotropic),
+            ..CheckOptions::default()
+        };
+        let all = check(&m, &options);
+        all.into_iter().find(|v| v.id == "reciprocity").unwrap()
+    };
+    assert_eq!(stated(false).level, Level::Pass, "{}", stated(false).sentence);
+    assert!(stated(true).level >= Level::Warn, "{}", stated(true).sentence);
+    assert!(verdict(&m, "quantity").level <= Level::Pass);
+}
+
+#[test]
+fn incidences_that_a_corrected_tilt_moved_off_their_plane_are_still_compared_as_isotropic() {
+    let moved = [(20.0, 3.0), (40.0, 1.0), (60.0, 0.0)];
+    let v = verdict(&measurement(glossy, &moved), "reciprocity");
+    assert!(v.sentence.contains("taken as isotropic"), "{}", v.sentence);
+    assert_eq!(v.level, Level::Pass, "{}", v.sentence);
+    // Normal incidence between two azimuths does not join them.
+    let two = [(40.0, 0.0), (0.0, 0.0), (40.0, 90.0)];
+    let v = verdict(&measurement(glossy, &two), "reciprocity");
+    assert!(!v.sentence.contains("taken as isotropic"), "{}", v.sentence);
+}
+
+#[test]
+fn too_few_exchanged_directions_say_nothing_of_the_quantity() {
+    let v = verdict(&measurement(glossy, &[(30.0, 0.0)]), "quantity");
+    assert_eq!(v.level, Level::Info, "{}", v.sentence);
+}
+
+#[test]
+fn a_symmetry_that_the_data_cannot_break_is_not_found() {
+    let mut plane = cut(scans(glossy, &[(30.0, 0.0)], 10_000, 1).remove(0), |_, phi| {
+        phi < 3.0
+    });
+    plane.phi_s.fill(0.0);
+    let v = verdict(&measured(&[plane]), "symmetry");
+    assert_eq!((v.level, v.value), (Level::Info, None), "{}", v.sentence);
+    // The azimuth written for normal incidence is no second azimuth.
+    for normal in [0.0, 90.0] {
+        let v = verdict(&measurement(glossy, &[(0.0, normal), (40.0, 0.0)]), "symmetry");
+        assert!(v.sentence.contains("one azimuth"), "{}", v.sentence);
+    }
+}
+
+#[test]
+fn after_the_alignment_it_is_not_advised_again() {
+    fn twisted(_: Direction, ws: Direction) -> f64 {
+        0.3 / PI * (1.0 + 0.5 * ws.phi().sin() * ws.theta().sin())
+    }
+    let m = measurement(twisted, &[(40.0, 0.0)]);
+    let advised = |aligned| {
+        let options = CheckOptions {
+            aligned,
+            ..CheckOptions::default()
+        };
+        let all = check(&m, &options);
+        all.into_iter().find(|v| v.id == "symmetry").unwrap().sentence
+    };
+    assert!(advised(false).contains("--align"), "{}", advised(false));
+    assert!(!advised(true).contains("--align"), "{}", advised(true));
+}
+
 #[test]
 fn symmetries_are_told_apart() {
-    fn brushed(wi: Direction, ws: Direction) -> f64 {
-        let h = Direction::new(wi.vec() + ws.vec())
-            .unwrap_or(Direction::NORMAL)
-            .vec();
-        0.1 / PI + 0.2 * (-(h.x / 0.5).powi(2) - (h.y / 0.2).powi(2)).exp()
-    }
     fn twisted(wi: Direction, ws: Direction) -> f64 {
         let turn = ws.phi() - wi.phi();
         0.3 / PI * (1.0 + 0.5 * turn.sin() * ws.theta().sin() * wi.theta().sin())
