@@ -24,6 +24,33 @@ FILES = ("sample_*.txt", "beam.txt", "dark.txt")
 STARTED = "2026-01-05T08:00:00Z"
 """Begin of every virtual campaign: the same settings give the same files."""
 
+INSTRUMENT = (
+    "power",
+    "beam_half_width",
+    "beam_radius",
+    "spot_diameter",
+    "distance",
+    "aperture",
+    "noise_readout",
+    "noise_relative",
+    "dark_level",
+    "dark_swing",
+    "dark_period",
+    "saturation",
+    "rate",
+    "shadow",
+    "pointing",
+    "pitch_across",
+    "pitch_along",
+    "theta_max",
+    "jitter",
+    "patch_radius",
+    "patch_pitch",
+    "patch_growth",
+    "patch_along",
+)
+"""Names of the numbers of the virtual instrument that can be set."""
+
 
 @dataclass(frozen=True)
 class Campaign:

@@ -1,7 +1,10 @@
 import json
+import re
 
 import gonio
 import pytest
+from gonio.materials import MATERIALS
+from gonio.simulating import INSTRUMENT
 
 from tests.cli.conftest import listing, one_clear_error
 
@@ -33,6 +36,14 @@ def test_simulate_writes_raw_files_and_replaces_those_of_an_earlier_campaign(run
 def test_a_wrong_setting_is_named_and_nothing_is_written(run, tmp_path, options, name):
     one_clear_error(run("simulate", "-o", "camp", *options), name)
     assert listing(tmp_path) == []
+
+
+def test_help_names_materials_and_every_setting_of_the_core(run, tmp_path):
+    refused = run("simulate", "-o", "camp", "--instrument", "warp=9").err
+    assert tuple(refused.split("allowed ")[1].strip().split(", ")) == INSTRUMENT
+    words = re.sub(r"[\s│]+", "", run("simulate", "--help").out)
+    for name in (*INSTRUMENT, *MATERIALS):
+        assert name in words
 
 
 @pytest.mark.parametrize("options", [["--incidence", "30"], ["--instrument", "power=much"]])

@@ -8,6 +8,8 @@ from html.parser import HTMLParser
 import gonio
 import numpy as np
 import pytest
+from gonio.reporting.compare import Reference, residual_rows
+from gonio.reporting.drawn import draw
 from gonio.reporting.page import render_report
 
 from . import samples
@@ -174,6 +176,21 @@ def test_a_reference_is_drawn_and_its_residuals_are_listed(tmp_path):
     assert drawn.shape == array(profile["x"]).shape
     mirror = np.nanargmin(np.abs(array(profile["x"]) - 30.0))
     assert drawn[mirror] == pytest.approx(array(profile["y"])[mirror] / 1.02, rel=0.02)
+
+
+def test_residuals_count_every_reading():
+    rng = np.random.default_rng(4)
+    theta_s, phi_s = np.degrees(np.arccos(rng.uniform(0.2, 1.0, 30_001))), rng.uniform(0.0, 360.0, 30_001)
+    drawn = draw(samples.make_slice(theta_s=theta_s, phi_s=phi_s), 0, 500)
+
+    class Known:
+        channels = ("photopic",)
+
+        def eval(self, *, theta_i, phi_i, theta_s, phi_s, channel=None):
+            return samples.lobe(theta_i, phi_i, theta_s, phi_s) / np.abs(np.cos(np.radians(theta_s)))
+
+    (row,) = residual_rows([drawn], [Reference(name="truth", label="truth", bsdf=Known())])
+    assert row["n"] == "30\u202f001"
 
 
 def test_a_failed_write_leaves_the_old_report_and_nothing_else(tmp_path, monkeypatch):

@@ -11,16 +11,15 @@ from rich.table import Table
 import gonio
 from gonio.cli.running import Json, out, print_json, progress_bar
 from gonio.demonstrating import DemoResult
+from gonio.materials import MATERIALS
 from gonio.truth import Comparison
 
 
 def demo(
-    material: Annotated[
-        str, typer.Option(help="plastic, lambert, metal, brushed, satin-glass or trans.")
-    ] = "plastic",
+    material: Annotated[str, typer.Option(help=f"{', '.join(MATERIALS)}.")] = "plastic",
     seed: Annotated[int, typer.Option(help="Seed of path, noise and drift.")] = 1,
     to: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Directory; gonio-demo/MATERIAL-seedSEED.")
+        Path | None, typer.Option("-o", "--out", help="Directory. Without it gonio-demo/MATERIAL-seedSEED.")
     ] = None,
     json: Json = False,
 ) -> None:

@@ -38,9 +38,13 @@ def process(
     u_angle: Annotated[float, typer.Option(help="Standard uncertainty of a direction, degrees.")] = 0.0,
     u_calibration: Annotated[float, typer.Option(help="Relative standard uncertainty of all values.")] = 0.0,
     shadow_radius: Annotated[
-        float | None, typer.Option(help="Detector shadow about the retro direction, degrees.")
+        float | None,
+        typer.Option(
+            help="Detector shadow about the retro direction, degrees. Without it receiver and beam tell, "
+            "where they are known."
+        ),
     ] = None,
-    name: Annotated[str | None, typer.Option(help="Name of the sample; the files'.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the sample. Without it the files'.")] = None,
     netcdf: Annotated[Path | None, typer.Option(help="Write a netCDF file, too.")] = None,
     force: Force = False,
     json: Json = False,

@@ -10,6 +10,8 @@ import typer
 
 import gonio
 from gonio.cli.running import Force, Json, out, pairs, print_json
+from gonio.materials import MATERIALS
+from gonio.simulating import INSTRUMENT
 
 
 class Hemisphere(StrEnum):
@@ -27,7 +29,7 @@ COMPONENTS: dict[Hemisphere, Literal["reflection", "transmission"]] = {
 
 def simulate(
     to: Annotated[Path, typer.Option("-o", "--out", help="Directory of the raw files.")],
-    material: Annotated[str, typer.Option(help="Name of a known material.")] = "plastic",
+    material: Annotated[str, typer.Option(help=f"{', '.join(MATERIALS)}.")] = "plastic",
     seed: Annotated[int, typer.Option(help="Seed of path, noise and drift.")] = 1,
     incidence: Annotated[
         list[str] | None,
@@ -42,7 +44,10 @@ def simulate(
     ] = None,
     instrument: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=NUMBER", help="Setting of the virtual instrument; repeat it."),
+        typer.Option(
+            metavar="NAME=NUMBER",
+            help=f"Setting of the virtual instrument, angles in degrees: {', '.join(INSTRUMENT)}; repeat it.",
+        ),
     ] = None,
     force: Force = False,
     json: Json = False,

@@ -14,9 +14,6 @@ from gonio.reporting.wording import channel_label
 if TYPE_CHECKING:
     from gonio.reporting.drawn import DrawnSlice
 
-MOST_COMPARED = 20_000
-"""Readings of a slice that are compared with a reference, evenly spread over the record."""
-
 
 @dataclass(frozen=True)
 class Reference:
@@ -75,7 +72,6 @@ def _row(d: "DrawnSlice", reference: Reference) -> dict[str, str]:
     s = d.slice
     floor = max(d.floor or 0.0, 0.0)
     rows = np.flatnonzero(~unusable(s.flags, s.dsf) & (s.dsf > floor))
-    rows = rows[:: max(1, -(-len(rows) // MOST_COMPARED))]
     expected = reference.dsf(s, s.theta_s[rows], s.phi_s[rows])
     good = np.isfinite(expected) & (expected > floor)
     rows, expected = rows[good], expected[good]
