@@ -67,7 +67,7 @@ def idle_beam(sample: Sequence[Scan], beam: Sequence[Scan]) -> list[str]:
 
 
 def repeated_incidences(scans: Sequence[Scan]) -> list[str]:
-    """A warning for each incidence and channel that was scanned more than once over the same side."""
+    """A warning when an incidence was scanned more than once over the same side in one channel."""
     groups: dict[tuple[str, float, float, str], list[Scan]] = {}
     for scan in scans:
         phi = scan.phi_i % 360.0 if 0.0 < scan.theta_i < 180.0 else 0.0
@@ -76,11 +76,14 @@ def repeated_incidences(scans: Sequence[Scan]) -> list[str]:
             if np.any(there):
                 key = (scan.channel, round(scan.theta_i, 6), round(phi, 6), side)
                 groups.setdefault(key, []).append(scan)
+    repeated = [(key, found) for key, found in groups.items() if len(found) > 1]
+    if not repeated:
+        return []
+    (channel, theta, phi, side), found = repeated[0]
     return [
-        f"{channel} at theta_i {theta:.4g}, phi_i {phi:.4g} deg: the {side} side was scanned {len(found)} "
-        f"times ({_some(map(source, found))}); each scan is a slice of its own: are they of one sample?"
-        for (channel, theta, phi, side), found in groups.items()
-        if len(found) > 1
+        f"scanned more than once over the same side: {len(repeated)} of {len(groups)} incidences, first "
+        f"{channel} at theta_i {theta:.4g}, phi_i {phi:.4g} deg, {side} side ({_some(map(source, found))}); each scan is a "
+        "slice of its own: are they of one sample?"
     ]
 
 

@@ -55,10 +55,15 @@ def test_the_same_incidence_twice_is_a_warning_that_names_the_files(run, tmp_pat
     files = [saved(tmp_path / f"{k}.txt", renamed(lambertian(20), "tile")) for k in "ab"]
     done = run("process", *files, "-o", "m")
     assert done.code == 0
-    assert "scanned 2 times" in done.err
+    assert "scanned more than once" in done.err
     assert "a.txt" in done.err
     assert "b.txt" in done.err
-    assert any("scanned 2 times" in w for w in gonio.Measurement.load(tmp_path / "m").warnings)
+    assert any("scanned more than once" in w for w in gonio.Measurement.load(tmp_path / "m").warnings)
+
+
+def test_many_repeated_incidences_are_one_warning():
+    (warning,) = gonio.process([lambertian(t) for t in (20, 40, 60, 20, 40)]).warnings
+    assert "2 of 3 incidences" in warning
 
 
 def test_two_sides_channels_or_incidences_are_no_repetition():
@@ -71,7 +76,7 @@ def test_two_sides_channels_or_incidences_are_no_repetition():
 
 def test_azimuths_of_normal_incidence_are_one_incidence():
     (warning,) = gonio.process([lambertian(0), renamed(lambertian(0), None, phi_i=90.0)]).warnings
-    assert "scanned 2 times" in warning
+    assert "scanned more than once" in warning
 
 
 def test_a_reference_scan_of_finished_values_is_noted(campaign):
