@@ -1,7 +1,7 @@
 //! How well repeated measurements of one sample agree.
 
 use crate::field::Field;
-use crate::robust::{mean_and_deviation, quantile};
+use crate::robust::quantile;
 use crate::verdict::graded;
 use crate::{Level, Measurement, ScanError, Slice, Verdict};
 use gonio_geom::Angles;
@@ -20,8 +20,8 @@ const READINGS: usize = 20_000;
 /// sample turned between them compares as it should when it is isotropic).
 ///
 /// The value is the worst mean relative difference `sum |D1 - D2| Omega / sum D Omega` in percent over all pairs of
-/// matching slices; the sentence adds the worst 95 % quantile of single relative differences and the spread of the
-/// hemispherical integrals.
+/// matching slices; the sentence adds the worst 95 % quantile of single relative differences and the largest relative
+/// difference of two hemispherical integrals.
 ///
 /// # Errors
 /// [`ScanError::Mismatch`] for fewer than two measurements, or when two of them share no incidence and channel.
@@ -65,8 +65,8 @@ pub fn repeatability(measurements: &[&Measurement]) -> Result<Verdict, ScanError
     let value = 100.0 * worst.0;
     let level = graded(value, WARN, FAIL);
     let mut sentence = format!(
-        "{} measurements of one sample differ by at most {value:.1} % on average ({}), single directions by up to \
-         {:.1} % (95 % quantile), hemispherical integrals by up to {:.1} %.",
+        "Of {} measurements of one sample, two differ by at most {value:.1} % on average over directions ({}), in 95 % \
+         of single directions by up to {:.1} %, and in a hemispherical integral by up to {:.1} % (difference over mean).",
         measurements.len(),
         worst.1,
         100.0 * single,
@@ -121,13 +121,14 @@ fn compare(x: &Slice, y: &Slice) -> Option<Difference> {
     })
 }
 
-/// Relative standard deviation of the hemispherical integrals that both slices hold, the worse side.
+/// Relative difference of the hemispherical integrals that both slices hold, over their mean, the worse side.
 fn integral_spread(x: &Slice, y: &Slice) -> f64 {
     x.integrals
         .iter()
         .filter_map(|h| {
-            let (mean, deviation) = mean_and_deviation(&[h.value, y.integral(h.side)?.value])?;
-            (mean > 0.0).then(|| deviation / mean)
+            let other = y.integral(h.side)?.value;
+            let mean = 0.5 * (h.value + other);
+            (mean > 0.0).then(|| (h.value - other).abs() / mean)
         })
         .fold(0.0, f64::max)
 }

@@ -413,6 +413,8 @@ fn repeated_measurements_agree_within_their_noise_and_a_brighter_one_does_not() 
     let v = repeatability(&[&first, &second, &third]).unwrap();
     assert_eq!(v.level, Level::Warn);
     assert!((v.value.unwrap() - 9.5).abs() < 0.5, "{}", v.sentence);
+    // 1.1 to 1: 0.1 over their mean of 1.05.
+    assert!(v.sentence.contains("integral by up to 9.5 %"), "{}", v.sentence);
     assert!(repeatability(&[&first]).is_err());
     let other = measured(&scans(glossy, &[(75.0, 0.0)], 500, 1));
     assert!(repeatability(&[&first, &other]).is_err());
