@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::assumed::{lacks_dark, no_calibration, no_dark};
 use crate::beam::beam_power;
-use crate::blank::blank_match;
+use crate::blank::{blank_match, place};
 use crate::dark::{DarkOptions, DarkSummary, subtract};
 use crate::flagging::{Apertures, half_angle, raw_flags};
 use crate::local::{gradient, path_curvature};
@@ -178,6 +178,18 @@ pub(crate) fn assemble(
                 slice.channel, h.side, h.value
             ));
         }
+    }
+    let flat: Vec<&Slice> = slices.iter().filter(|s| s.integrals.is_empty()).collect();
+    if let Some(first) = flat.first() {
+        warnings.push(format!(
+            "no hemispherical integral for {} of {} scans, the first {} at {}: the readings lie near less than {:.0} % \
+             of a hemisphere, as those of an in-plane scan; scan more azimuths for DHR or DHT",
+            flat.len(),
+            slices.len(),
+            first.channel,
+            place(first.incidence),
+            100.0 * crate::weigh::MEASURED
+        ));
     }
     let signature_fwhm = beams
         .iter()

@@ -267,6 +267,30 @@ fn calibrated_values_without_a_calibration_uncertainty_say_so_once() {
     assert!(run(0.01).is_empty());
 }
 
+#[test]
+fn an_in_plane_scan_says_once_why_it_has_no_integral() {
+    let mut plane = record(20.0, 0.0);
+    for theta in 1..85 {
+        plane.push(Direction::from_degrees(f64::from(theta), 0.0), 0.2);
+        plane.push(Direction::from_degrees(f64::from(theta), 180.0), 0.2);
+    }
+    plane.quantity = Quantity::Bsdf;
+    let whole = spiral_scan(20.0, 0.0, 500, Side::Front, |_| 0.2);
+    let of = |scan: Scan| {
+        let scan = Scan {
+            quantity: Quantity::Bsdf,
+            ..scan
+        };
+        process(&[scan.clone(), scan], &[], &[], &ProcessOptions::default())
+            .unwrap()
+            .warnings
+    };
+    let warnings = of(plane);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("2 of 2 scans") && warnings[0].contains("in-plane"));
+    assert!(of(whole).is_empty());
+}
+
 /// 95 % intervals of single values and of the DHR over 200 simulated measurements with noise, dark noise and a noisy
 /// reference scan.
 #[test]

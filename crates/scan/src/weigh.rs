@@ -24,7 +24,7 @@ pub(crate) fn patch_omega(points: &[DVec3]) -> Result<Vec<f64>, ScanError> {
 }
 
 /// Part of a hemisphere's solid angle that readings must lie near for its integral to be a measurement.
-const MEASURED: f64 = 0.1;
+pub(crate) const MEASURED: f64 = 0.1;
 
 /// Sets `omega` and `integrals` of a slice whose `u_dsf` holds the independent and the common relative part.
 /// `u_offset` is the absolute standard uncertainty that all values share, 1/sr.
