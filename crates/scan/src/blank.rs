@@ -44,53 +44,101 @@ pub(crate) fn blank_match(
     let kappa = (dark.method == DarkMethod::Direction)
         .then(|| structure(net, raw, flags, noise))
         .flatten();
-    let mut level = graded(negative, NEGATIVE[0], NEGATIVE[1]);
-    let mut sentence = format!(
-        "{at}: {:.1} % of the readings are negative after the {} was subtracted, {:.1} % by more than three standard \
-         deviations",
-        100.0 * share(0.0),
-        if dark.method == DarkMethod::Direction {
-            "blank"
-        } else {
-            "dark"
-        },
-        100.0 * negative,
-    );
-    if let Some((kappa, u)) = kappa {
-        sentence.push_str(&format!(
-            "; the blank's structure is in the readings by a factor {kappa:.2} (± {u:.2})"
-        ));
-        if (kappa - 1.0).abs() > STRUCTURE.max(3.0 * u) {
-            level = level.max(Level::Warn);
-        }
-    }
+    let what = if dark.method == DarkMethod::Direction {
+        "blank"
+    } else {
+        "dark"
+    };
     let below = usable
         .iter()
         .filter(|&&j| raw[j] - net.value[j] < -3.0 * sigma)
         .count();
     let below = below as f64 / usable.len() as f64;
+    let mut causes: Vec<(Level, f64, &'static str, String)> = Vec::new();
+    let of_negative = graded(negative, NEGATIVE[0], NEGATIVE[1]);
+    if of_negative > Level::Pass {
+        let text = format!(
+            "{:.0} % of the readings are negative by more than three standard deviations after the {what} was \
+             subtracted: it takes more than was there",
+            100.0 * negative
+        );
+        causes.push((of_negative, 100.0 * negative, "%", text));
+    }
     if net.quantity != Quantity::Signal && below > BELOW_ZERO {
-        level = level.max(Level::Warn);
-        sentence.push_str(&format!(
-            "; {:.0} % of the blank itself lies below zero, which no stray light does: the instrument's own zero was \
+        let text = format!(
+            "{:.0} % of the {what} itself lies below zero, which no stray light does: the instrument's own zero was \
              another one",
             100.0 * below
-        ));
+        );
+        causes.push((Level::Warn, 100.0 * below, "%", text));
     }
-    sentence.push_str(match level {
-        Level::Fail | Level::Warn => {
-            ": the blank does not belong to this scan; repeat it with the stray light, gain and source of the sample."
+    if let Some((kappa, u)) = kappa
+        && (kappa - 1.0).abs() > STRUCTURE.max(3.0 * u)
+    {
+        let text = format!(
+            "the {what}'s structure is in the readings by a factor {kappa:.2} (± {u:.2}) in place of 1: its stray light \
+             is not that of the sample's scan"
+        );
+        causes.push((Level::Warn, kappa, "1", text));
+    }
+    // The gravest first; of equal ones that which was found first.
+    causes.sort_by_key(|c| std::cmp::Reverse(c.0));
+    let (level, value, unit, sentence) = match causes.first() {
+        None => (
+            Level::Pass,
+            100.0 * negative,
+            "%",
+            format!(
+                "{:.1} % of the readings are negative by more than three standard deviations after the {what} was \
+                 subtracted ({at}).",
+                100.0 * negative
+            ),
+        ),
+        Some(&(level, value, unit, _)) => {
+            let texts: Vec<&str> = causes.iter().map(|c| c.3.as_str()).collect();
+            (
+                level,
+                value,
+                unit,
+                format!(
+                    "{} ({at}). Repeat the {what} with the stray light, gain, zero and source of the sample.",
+                    capital(&texts.join("; "))
+                ),
+            )
         }
-        _ => ".",
-    });
+    };
     Verdict {
         id: ID,
         title: TITLE,
         level,
-        value: Some(100.0 * negative),
-        unit: "%",
+        value: Some(value),
+        unit,
         sentence,
     }
+}
+
+fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars
+        .next()
+        .map_or(String::new(), |c| c.to_uppercase().chain(chars).collect())
+}
+
+/// One finding for all scans: the gravest, with the number of others that are as grave.
+pub(crate) fn summed_up(findings: Vec<Verdict>) -> Option<Verdict> {
+    let level = findings.iter().map(|f| f.level).max()?;
+    let graves: Vec<Verdict> = findings.into_iter().filter(|f| f.level == level).collect();
+    let others = graves.len() - 1;
+    let mut worst = graves
+        .into_iter()
+        .reduce(|a, b| if b.value > a.value { b } else { a })?;
+    if level > Level::Pass && others > 0 {
+        let scans = if others == 1 { "scan" } else { "scans" };
+        worst
+            .sentence
+            .push_str(&format!(" {others} more {scans} show the same."));
+    }
+    Some(worst)
 }
 
 /// `theta_i 30.00, phi_i 0.00 deg`.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::assumed::{lacks_dark, no_calibration, no_dark};
 use crate::beam::beam_power;
-use crate::blank::{blank_match, place};
+use crate::blank::{blank_match, place, summed_up};
 use crate::dark::{DarkOptions, DarkSummary, subtract};
 use crate::flagging::{Apertures, half_angle, raw_flags};
 use crate::local::{gradient, path_curvature};
@@ -138,6 +138,7 @@ pub(crate) struct Done {
     pub(crate) slice: Slice,
     pub(crate) noise: NoiseModel,
     pub(crate) dark: Option<DarkSummary>,
+    /// Whether the blank matched.
     pub(crate) findings: Vec<Verdict>,
 }
 
@@ -152,12 +153,14 @@ pub(crate) fn assemble(
 ) -> Measurement {
     let mut processing = Processing::default();
     let mut slices = Vec::with_capacity(done.len());
+    let mut blanks = Vec::new();
     for d in done {
         processing.noise.push((d.slice.channel, d.noise));
         processing.dark.push(d.dark);
-        processing.findings.extend(d.findings);
+        blanks.extend(d.findings);
         slices.push(d.slice);
     }
+    processing.findings.extend(summed_up(blanks));
     if without_dark {
         processing.findings.push(no_dark(&slices));
     }

@@ -291,6 +291,34 @@ fn an_in_plane_scan_says_once_why_it_has_no_integral() {
     assert!(of(whole).is_empty());
 }
 
+#[test]
+fn a_blank_that_does_not_match_is_reported_once_with_the_cause_first() {
+    let mut sample = path_scan(10.0, 5.0, |d| 0.1 * d.cos_theta() + 0.01);
+    let mut blank = path_scan(10.0, 5.0, |_| -1e-3);
+    blank.kind = ScanKind::Dark;
+    for scan in [&mut sample, &mut blank] {
+        scan.quantity = Quantity::Dsf;
+        scan.meta.noise_readout = Some(1e-5);
+    }
+    let three = [sample.clone(), sample.clone(), sample];
+    let m = process(&three, &[], &[blank], &ProcessOptions::default()).unwrap();
+    let found: Vec<_> = m
+        .processing
+        .findings
+        .iter()
+        .filter(|f| f.id == "blank_match")
+        .collect();
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].value, Some(100.0), "the share that decided");
+    let text = &found[0].sentence;
+    assert!(
+        text.starts_with("100 % of the blank itself lies below zero"),
+        "{text}"
+    );
+    assert!(text.ends_with("2 more scans show the same."), "{text}");
+    assert_eq!(m.warnings.len(), 1, "{:?}", m.warnings);
+}
+
 /// 95 % intervals of single values and of the DHR over 200 simulated measurements with noise, dark noise and a noisy
 /// reference scan.
 #[test]
