@@ -82,8 +82,8 @@ def repeated_incidences(scans: Sequence[Scan]) -> list[str]:
     (channel, theta, phi, side), found = repeated[0]
     return [
         f"scanned more than once over the same side: {len(repeated)} of {len(groups)} incidences, first "
-        f"{channel} at theta_i {theta:.4g}, phi_i {phi:.4g} deg, {side} side ({_some(map(source, found))}); each scan is a "
-        "slice of its own: are they of one sample?"
+        f"{channel} at theta_i {theta:.4g}, phi_i {phi:.4g} deg, {side} side ({_some(map(source, found))}); "
+        "each scan is a slice of its own: are they of one sample?"
     ]
 
 

@@ -199,7 +199,7 @@ def test_a_failed_write_leaves_the_old_report_and_nothing_else(tmp_path, monkeyp
     monkeypatch.setattr(
         "pathlib.Path.write_text", lambda *a, **k: (_ for _ in ()).throw(OSError(28, "disk full"))
     )
-    with pytest.raises(OSError, match="No space left on device.*report.html"):
+    with pytest.raises(OSError, match=r"No space left on device.*report.html"):
         render_report(samples.measurement([samples.make_slice()]), [], out=out)
     assert out.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [out]
