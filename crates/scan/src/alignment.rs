@@ -224,7 +224,7 @@ pub fn align(measurement: &Measurement) -> Result<Alignment, ScanError> {
     if peaks.len() < 2 || span(&peaks) < 0.05 {
         return Err(few(peaks.len()));
     }
-    let mut fitted = fit(slices, &peaks, ALL)?;
+    let mut fitted = fit(slices, &peaks)?;
     let mut distances: Vec<f64> = peaks.iter().map(|p| distance(slices, p, fitted.0)).collect();
     let limit = 5.0 * crate::robust::median(&mut distances).unwrap_or(0.0).max(1e-4);
     let kept: Vec<Peak> = peaks
@@ -233,7 +233,7 @@ pub fn align(measurement: &Measurement) -> Result<Alignment, ScanError> {
         .filter(|p| distance(slices, p, fitted.0) <= limit)
         .collect();
     if kept.len() < peaks.len() && kept.len() >= 2 && span(&kept) >= 0.05 {
-        fitted = fit(slices, &kept, ALL)?;
+        fitted = fit(slices, &kept)?;
         peaks = kept;
     }
     let (p, covariance) = fitted;
@@ -254,11 +254,8 @@ fn distance(slices: &[Slice], peak: &Peak, p: [f64; 3]) -> f64 {
 
 type Fit = ([f64; 3], [[f64; 3]; 3]);
 
-/// Tilt about x, tilt about y and azimuth, all to be determined.
-const ALL: [bool; 3] = [true; 3];
-
-/// Gauss–Newton on the tangent-plane residuals. Parameters that are not `free` are zero and have no uncertainty.
-fn fit(slices: &[Slice], peaks: &[Peak], free: [bool; 3]) -> Result<Fit, ScanError> {
+/// Gauss–Newton on the tangent-plane residuals.
+fn fit(slices: &[Slice], peaks: &[Peak]) -> Result<Fit, ScanError> {
     let degenerate = || ScanError::Domain {
         field: "alignment",
         found: "incidences that do not determine tilt and azimuth".into(),
@@ -282,7 +279,6 @@ fn fit(slices: &[Slice], peaks: &[Peak], free: [bool; 3]) -> Result<Fit, ScanErr
                 q[k] -= 2.0 * STEP;
                 (forward - peak_of(wi, q)) / (2.0 * STEP)
             });
-            let slope: [DVec3; 3] = std::array::from_fn(|k| if free[k] { slope[k] } else { DVec3::ZERO });
             for i in 0..3 {
                 right[i] += weight * slope[i].dot(residual);
                 for j in 0..3 {
@@ -292,13 +288,7 @@ fn fit(slices: &[Slice], peaks: &[Peak], free: [bool; 3]) -> Result<Fit, ScanErr
             chi2 += weight * residual.length_squared();
             rows += 2.0;
         }
-        for k in (0..3).filter(|&k| !free[k]) {
-            normal[k][k] = 1.0;
-        }
         inverse = invert(normal).ok_or_else(degenerate)?;
-        for k in (0..3).filter(|&k| !free[k]) {
-            inverse[k][k] = 0.0;
-        }
         let step: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| inverse[i][j] * right[j]).sum());
         for k in 0..3 {
             p[k] += step[k];
@@ -316,41 +306,24 @@ fn fit(slices: &[Slice], peaks: &[Peak], free: [bool; 3]) -> Result<Fit, ScanErr
     Ok((p, inverse.map(|row| row.map(|v| v * factor))))
 }
 
-/// Parameter over standard uncertainty from which an angle is corrected.
-const SIGNIFICANT: f64 = 2.0;
+/// Joint chi-squared of the three angles from which they are corrected: 99 % of its distribution at three degrees of
+/// freedom.
+const SIGNIFICANT: f64 = 11.34;
 
-/// The alignment with the angles that do not stand out of their uncertainty held at zero, the least certain first, and
-/// the others fitted anew. `None` when none stands out.
-fn significant(slices: &[Slice], full: &Alignment) -> Result<Option<Alignment>, ScanError> {
-    let mut found = full.clone();
-    let mut free = ALL;
-    loop {
-        let u = found.u();
-        let p = [found.tilt_x, found.tilt_y, found.azimuth];
-        let weakest = (0..3)
-            .filter(|&k| free[k])
-            .map(|k| (k, p[k].abs() / u[k].max(f64::MIN_POSITIVE)))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        match weakest {
-            None => return Ok(None),
-            Some((_, score)) if score >= SIGNIFICANT => return Ok(Some(found)),
-            Some((k, _)) => free[k] = false,
-        }
-        let (p, covariance) = fit(slices, &full.peaks, free)?;
-        found = Alignment {
-            tilt_x: p[0],
-            tilt_y: p[1],
-            azimuth: p[2],
-            covariance,
-            ..found
-        };
-    }
+/// Whether the three angles together stand out of their covariance; one that is known exactly does.
+fn significant(a: &Alignment) -> bool {
+    let p = [a.tilt_x, a.tilt_y, a.azimuth];
+    let chi2 = |inverse: [[f64; 3]; 3]| -> f64 {
+        let row = |i: usize| (0..3).map(|j| inverse[i][j] * p[j]).sum::<f64>();
+        (0..3).map(|i| p[i] * row(i)).sum()
+    };
+    invert(a.covariance).is_none_or(|inverse| chi2(inverse) >= SIGNIFICANT)
 }
 
 /// Turns all directions of `measurement` into the frame of the sample's true normal, so that mirror peaks stand in
 /// mirror directions, and computes weights and integrals anew. The DSF itself holds no cosine and stays; readings may
-/// change sides next to the sample plane. Angles below twice their standard uncertainty are not corrected: the others
-/// are fitted without them. A warning says what was done.
+/// change sides next to the sample plane. Nothing is corrected when the three angles together do not stand out of
+/// their covariance (chi-squared below its 99 % quantile). A warning says what was done.
 ///
 /// # Errors
 /// [`ScanError::Domain`] when the turned directions cannot be weighed.
@@ -367,14 +340,14 @@ pub fn correct_alignment(measurement: &mut Measurement, alignment: &Alignment) -
         ];
         all.into_iter().flatten().collect::<Vec<_>>().join(", ")
     };
-    let Some(corrected) = significant(&measurement.slices, alignment)? else {
+    if !significant(alignment) {
         measurement.warnings.push(format!(
-            "alignment: nothing was corrected, no angle is above twice its standard uncertainty ({})",
+            "alignment: nothing was corrected, the angles do not stand out of their uncertainty ({})",
             stated(alignment)
         ));
         return Ok(());
-    };
-    let n = corrected.normal();
+    }
+    let n = alignment.normal();
     // The shortest rotation that takes the true normal to z.
     let axis = n.cross(DVec3::Z);
     let cos = n.z;
@@ -387,21 +360,15 @@ pub fn correct_alignment(measurement: &mut Measurement, alignment: &Alignment) -
         slice.incidence = Direction::from_unit(wi.normalize()).angles();
         for j in 0..slice.len() {
             let ws = slice.direction(j).vec();
-            let d = Direction::from_unit(upright(turned(ws, -corrected.azimuth)).normalize());
+            let d = Direction::from_unit(upright(turned(ws, -alignment.azimuth)).normalize());
             slice.theta_s[j] = d.theta();
             slice.phi_s[j] = d.phi().rem_euclid(TAU);
         }
         weigh(slice, 0.0)?;
     }
-    let left = (0..3).any(|k| corrected.u()[k] == 0.0 && alignment.u()[k] > 0.0);
     measurement.warnings.push(format!(
-        "alignment: directions corrected for {}{}",
-        stated(&corrected),
-        if left {
-            "; the other angles are below twice their standard uncertainty and were left"
-        } else {
-            ""
-        }
+        "alignment: directions corrected for {}",
+        stated(alignment)
     ));
     Ok(())
 }
@@ -481,12 +448,9 @@ mod tests {
     #[test]
     fn angles_that_do_not_stand_out_of_their_uncertainty_are_not_corrected() {
         let mut m = tilted([0.0, 0.03], 0.0, 0.02);
-        let mut found = align(&m).unwrap();
+        let found = align(&m).unwrap();
         let before = m.slices.clone();
         let mut vague = found.clone();
-        for peak in &mut vague.peaks {
-            peak.u = 0.5;
-        }
         vague.covariance = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
         correct_alignment(&mut m, &vague).unwrap();
         assert_eq!(m.slices, before);
@@ -495,14 +459,8 @@ mod tests {
             "{:?}",
             m.warnings
         );
-        // An azimuth of half its uncertainty is left; the tilt is corrected all the same.
-        found.azimuth = 0.5 * found.u()[2];
         correct_alignment(&mut m, &found).unwrap();
-        let text = &m.warnings[1];
-        assert!(
-            text.contains("tilt about y") && !text.contains("azimuth offset"),
-            "{text}"
-        );
+        assert!(m.warnings[1].contains("directions corrected"), "{:?}", m.warnings);
         assert!(align(&m).unwrap().tilt().to_degrees() < 0.1);
     }
 
