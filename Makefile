@@ -31,7 +31,7 @@ check: setup ## format, lints, types and the fast tests
 	$(RUN) ruff check
 	$(RUN) mypy
 	cargo test --workspace --exclude gonio-py --release --quiet
-	$(RUN) pytest -m "not slow"
+	$(RUN) pytest -m "not slow" -n auto
 
 fmt: setup ## format Rust and Python
 	cargo fmt --all
