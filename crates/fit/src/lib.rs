@@ -1,0 +1,4 @@
+//! Analytic models from measurements: parameters, their uncertainties, and which model the data support.
+
+pub mod normal;
+pub mod solver;
