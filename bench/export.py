@@ -24,8 +24,8 @@ IDS = ("klems-export-vs-radiance", "ttree-export-vs-radiance")
 THETAS = (10, 20, 35, 50, 65, 75)
 ALPHA = 0.1
 MATERIAL = [
-    {"model": "lambert", "component": "reflection", "albedo": 0.4},
-    {"model": "ward_gmd", "rho": 0.2, "alpha_x": ALPHA, "alpha_y": ALPHA, "phi_x": 0.0},
+    {"model": "lambert", "rho": 0.4},
+    {"model": "ward-gmd-anisotropic", "rho": 0.2, "alpha_x": ALPHA, "alpha_y": ALPHA, "phi_x": 0.0},
 ]
 FRONT = [("front", "reflection")]
 

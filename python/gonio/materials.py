@@ -54,12 +54,14 @@ class Material:
 
 
 def _lambert(component: Component, albedo: float) -> dict[str, Any]:
-    return {"model": "lambert", "component": component, "albedo": albedo}
+    if component == "reflection":
+        return {"model": "lambert", "rho": albedo}
+    return {"model": "lambert-transmission", "tau": albedo}
 
 
 def _gloss(rho: float, alpha_x: float, alpha_y: float | None = None) -> dict[str, Any]:
     return {
-        "model": "ward_gmd",
+        "model": "ward-gmd-anisotropic",
         "rho": rho,
         "alpha_x": alpha_x,
         "alpha_y": alpha_x if alpha_y is None else alpha_y,
@@ -68,7 +70,7 @@ def _gloss(rho: float, alpha_x: float, alpha_y: float | None = None) -> dict[str
 
 
 def _through(tau: float, alpha: float) -> dict[str, Any]:
-    return {"model": "transmission_lobe", "tau": tau, "alpha": alpha}
+    return {"model": "bounded-transmission-lobe", "tau": tau, "alpha": alpha}
 
 
 def _plastic() -> Material:

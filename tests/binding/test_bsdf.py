@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from gonio import _native
 
-HALF_WHITE = {"model": "lambert", "component": "reflection", "albedo": 0.5}
+HALF_WHITE = {"model": "lambert", "rho": 0.5}
 
 
 @pytest.fixture

@@ -33,7 +33,7 @@ def test_a_radiance_file_holds_the_constant_it_was_made_from(run, measured, tmp_
 
 
 def test_the_loss_of_a_narrow_lobe_is_told_and_shrinks_with_finer_patches(run, tmp_path):
-    lobe = {"model": "ward_gmd", "rho": 0.5, "alpha_x": 0.1, "alpha_y": 0.1, "phi_x": 0.0}
+    lobe = {"model": "ward-gmd-anisotropic", "rho": 0.5, "alpha_x": 0.1, "alpha_y": 0.1, "phi_x": 0.0}
     model = _native.analytic([lobe])
     # midpoints of equal projected solid angle
     theta_s = np.degrees(np.arcsin(np.sqrt((np.arange(300) + 0.5) / 300)))[:, None]

@@ -67,7 +67,7 @@ def test_a_bad_file_does_not_stop_the_others(run, raw, tmp_path):
 
 @pytest.mark.parametrize("rank", [None, 3, 4])
 def test_inspect_shows_representation_components_and_albedo_of_an_xml(run, tmp_path, rank):
-    model = _native.analytic([{"model": "lambert", "component": "reflection", "albedo": 0.5}])
+    model = _native.analytic([{"model": "lambert", "rho": 0.5}])
     to, options = ("radiance-ttree", {"rank": rank}) if rank else ("radiance-klems", {"basis": "half"})
     options |= {"name": "half white", "manufacturer": "none", "components": [("front", "reflection")]}
     written = gonio.export(model, to=to, out=tmp_path / "a.xml", **options)
@@ -83,7 +83,7 @@ def test_inspect_shows_representation_components_and_albedo_of_an_xml(run, tmp_p
 
 
 def test_inspect_lists_every_channel_of_an_xml(run, tmp_path):
-    model = _native.analytic([{"model": "lambert", "component": "reflection", "albedo": 0.5}])
+    model = _native.analytic([{"model": "lambert", "rho": 0.5}])
     front = [("front", "reflection")]
     gonio.export(model, to="radiance-klems", basis="quarter", components=front, out=tmp_path / "a.xml")
     text = (tmp_path / "a.xml").read_text()

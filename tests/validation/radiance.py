@@ -36,16 +36,16 @@ class Radiance:
         return done.stdout
 
 
-LAMBERT = {"model": "lambert", "component": "reflection", "albedo": 0.3}
+LAMBERT = {"model": "lambert", "rho": 0.3}
 MODELS = {
-    "isotropic": [LAMBERT, {"model": "ward_gmd", "rho": 0.2, "alpha_x": 0.15, "alpha_y": 0.15, "phi_x": 0.0}],
+    "isotropic": [LAMBERT, {"model": "ward-gmd-anisotropic", "rho": 0.2, "alpha_x": 0.15, "alpha_y": 0.15, "phi_x": 0.0}],
     "anisotropic": [
         LAMBERT,
-        {"model": "ward_gmd", "rho": 0.25, "alpha_x": 0.1, "alpha_y": 0.3, "phi_x": 20.0},
+        {"model": "ward-gmd-anisotropic", "rho": 0.25, "alpha_x": 0.1, "alpha_y": 0.3, "phi_x": 20.0},
     ],
     "transmitting": [
-        {"model": "lambert", "component": "reflection", "albedo": 0.3},
-        {"model": "transmission_lobe", "tau": 0.4, "alpha": 0.2},
+        {"model": "lambert", "rho": 0.3},
+        {"model": "bounded-transmission-lobe", "tau": 0.4, "alpha": 0.2},
     ],
 }
 FILES = [

@@ -44,7 +44,7 @@ fn slice(truth: &dyn Bsdf, theta_i: f64, phi_i: f64, readings: usize) -> Slice {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let truth = WardGmd::isotropic(Spectrum::photopic("rho", 0.6)?, 0.15)?;
+    let truth = WardGmd::isotropic(&Spectrum::photopic("rho", 0.6)?, 0.15)?;
     let polar: Vec<(f64, f64)> = (0..8).map(|k| (10.0 * f64::from(k), 180.0)).collect();
     let mut full = vec![(0.0, 0.0)];
     full.extend((0..24).map(|k| (20.0 * f64::from(1 + k % 3), 45.0 * f64::from(k / 3))));

@@ -15,7 +15,7 @@ use gonio_geom::Component::Reflection;
 use gonio_scan::{Flags, Measurement};
 
 fn two_incidences() -> Measurement {
-    let truth = Lambert::reflection(Spectrum::photopic("albedo", 0.5).unwrap());
+    let truth = Lambert::reflection(&Spectrum::photopic("albedo", 0.5).unwrap()).unwrap();
     measure(
         &truth,
         &[(20.0, 0.0), (40.0, 0.0)],

@@ -11,10 +11,7 @@ use std::sync::LazyLock;
 
 use common::{Noise, error, measure};
 use gonio_bsdf::Bsdf;
-use gonio_bsdf::analytic::{
-    Lambert, LobeNormalisation, Spectrum, Sum, TransmissionLobe, TransmissionLobeParameters, WardGmd,
-    WardGmdParameters,
-};
+use gonio_bsdf::analytic::{Analytic, BoundedTransmissionLobe, Lambert, Spectrum, Sum, WardGmd};
 use gonio_build::{BuildOptions, Coverage, DataDriven, Warp};
 use gonio_geom::{
     Component::{Reflection, Transmission},
@@ -45,8 +42,8 @@ fn grey(value: f64) -> Spectrum {
 
 fn gloss(alpha: f64) -> Sum {
     Sum::new(vec![
-        Box::new(Lambert::reflection(grey(0.3))),
-        Box::new(WardGmd::isotropic(grey(0.4), alpha).unwrap()),
+        Box::new(Lambert::reflection(&grey(0.3)).unwrap()),
+        Box::new(WardGmd::isotropic(&grey(0.4), alpha).unwrap()),
     ])
     .unwrap()
 }
@@ -72,15 +69,10 @@ fn retain(slice: &mut gonio_scan::Slice, keep: &[bool]) {
 
 /// A diffuse reflection and a rough transmission, read on both hemispheres.
 static TRANSLUCENT: LazyLock<(Sum, DataDriven)> = LazyLock::new(|| {
-    let lobe = TransmissionLobe::new(TransmissionLobeParameters {
-        tau: grey(0.5),
-        alpha: 0.15,
-        normalisation: LobeNormalisation::Bounded,
-    })
-    .unwrap();
+    let lobe = Analytic::<BoundedTransmissionLobe>::of(&grey(0.5), &[0.15]).unwrap();
     let truth = Sum::new(vec![
-        Box::new(Lambert::reflection(grey(0.2))),
-        Box::new(Lambert::transmission(grey(0.1))),
+        Box::new(Lambert::reflection(&grey(0.2)).unwrap()),
+        Box::new(Lambert::transmission(&grey(0.1)).unwrap()),
         Box::new(lobe),
     ])
     .unwrap();
@@ -92,7 +84,7 @@ static TRANSLUCENT: LazyLock<(Sum, DataDriven)> = LazyLock::new(|| {
 
 #[test]
 fn a_lambertian_sample_is_reproduced_to_a_thousandth_everywhere_extrapolated_too() {
-    let truth = Lambert::reflection(grey(0.6));
+    let truth = Lambert::reflection(&grey(0.6)).unwrap();
     let model = built(&measure(
         &truth,
         &EIGHT[1..6],
@@ -175,13 +167,7 @@ fn the_albedo_stays_below_one_and_near_the_truth() {
 
 #[test]
 fn an_anisotropic_lobe_keeps_its_two_widths_between_measured_incidences() {
-    let truth = WardGmd::new(WardGmdParameters {
-        rho: grey(0.5),
-        alpha_x: 0.1,
-        alpha_y: 0.25,
-        phi_x: 0.0,
-    })
-    .unwrap();
+    let truth = WardGmd::anisotropic(&grey(0.5), 0.1, 0.25, 0.0).unwrap();
     let mut incidences = vec![(0.0, 0.0)];
     for theta in [20.0, 40.0, 60.0] {
         incidences.extend((0..8).map(|k| (theta, 45.0 * f64::from(k))));

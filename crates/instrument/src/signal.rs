@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_lambertian_spot_is_biased_by_no_more_than_its_size_over_the_distance_squared() {
-        let model = Lambert::reflection(Spectrum::photopic("rho", 0.8).unwrap());
+        let model = Lambert::reflection(&Spectrum::photopic("rho", 0.8).unwrap()).unwrap();
         let (mut beam, detector) = (Beam::default(), Detector::default());
         beam.spot_diameter = 0.05;
         for deg in [0.0, 40.0, 80.0] {
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn a_small_aperture_and_beam_leave_the_model_as_it_is() {
-        let model = WardGmd::isotropic(Spectrum::photopic("rho", 0.5).unwrap(), 0.15).unwrap();
+        let model = WardGmd::isotropic(&Spectrum::photopic("rho", 0.5).unwrap(), 0.15).unwrap();
         let beam = Beam {
             spot_diameter: 0.0,
             profile: BeamProfile::TopHat { radius: 1e-4 },
@@ -203,7 +203,7 @@ mod tests {
         // A lobe exp(-g^2/w^2), w = 2 alpha, under a kernel of variance s^2 an axis: peak down by 2 s^2/w^2 at normal
         // incidence. Gaussian beam: w_b^2/2 an axis; disk aperture: a^2/4 an axis.
         let alpha = 0.05;
-        let model = WardGmd::isotropic(Spectrum::photopic("rho", 0.5).unwrap(), alpha).unwrap();
+        let model = WardGmd::isotropic(&Spectrum::photopic("rho", 0.5).unwrap(), alpha).unwrap();
         let (w_b, a) = (0.01, 0.012);
         let beam = Beam {
             spot_diameter: 0.0,

@@ -10,8 +10,8 @@ use gonio_scan::{Scan, ScanKind};
 
 fn plastic() -> Sum {
     Sum::new(vec![
-        Box::new(Lambert::reflection(Spectrum::photopic("rho_d", 0.4).unwrap())),
-        Box::new(WardGmd::isotropic(Spectrum::photopic("rho_s", 0.1).unwrap(), 0.15).unwrap()),
+        Box::new(Lambert::reflection(&Spectrum::photopic("rho_d", 0.4).unwrap()).unwrap()),
+        Box::new(WardGmd::isotropic(&Spectrum::photopic("rho_s", 0.1).unwrap(), 0.15).unwrap()),
     ])
     .unwrap()
 }
@@ -139,8 +139,8 @@ fn both_hemispheres_and_every_channel_are_read() {
     use gonio_bsdf::Channel;
     let spectrum = Spectrum::new("rho", &[(Channel::Red, 0.2), (Channel::Green, 0.6)]).unwrap();
     let model = Sum::new(vec![
-        Box::new(Lambert::reflection(spectrum.clone())),
-        Box::new(Lambert::transmission(spectrum)),
+        Box::new(Lambert::reflection(&spectrum.clone()).unwrap()),
+        Box::new(Lambert::transmission(&spectrum).unwrap()),
     ])
     .unwrap();
     let mut instrument = Instrument::default();

@@ -1,5 +1,6 @@
 //! Python bindings of gonio: conversion and errors, no maths. Angles are degrees on this side.
 
+mod analytic;
 mod arrays;
 mod bsdf;
 mod checking;
@@ -34,6 +35,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     verdict::register(m)?;
     bsdf::register(m)?;
     model::register(m)?;
+    analytic::register(m)?;
     simulate::register(m)?;
     weights::register(m)
 }

@@ -1,12 +1,6 @@
 //! Analytic models and the virtual goniophotometer.
 
-use std::sync::Arc;
-
 use gonio_bsdf as core;
-use gonio_bsdf::analytic::{
-    Lambert, LobeNormalisation, Spectrum, Sum, TransmissionLobe, TransmissionLobeParameters, WardGmd,
-    WardGmdParameters,
-};
 use gonio_geom::{Angles, Component};
 use gonio_instrument::{BeamProfile, Campaign, Instrument, InstrumentError};
 use pyo3::prelude::*;
@@ -38,99 +32,6 @@ fn component(name: &str) -> PyResult<Component> {
             "reflection, transmission",
         )),
     }
-}
-
-/// The parameters of one part of a model; taking a parameter removes it, so that what is left is a mistake.
-struct Parameters<'py> {
-    model: String,
-    rest: Bound<'py, PyDict>,
-}
-
-impl<'py> Parameters<'py> {
-    fn new(part: &Bound<'py, PyDict>) -> PyResult<Self> {
-        let mut parameters = Parameters {
-            model: String::new(),
-            rest: part.copy()?,
-        };
-        parameters.model = parameters.take("model")?;
-        Ok(parameters)
-    }
-
-    fn take<T: for<'a> FromPyObject<'a, 'py, Error: Into<PyErr>>>(&self, name: &str) -> PyResult<T> {
-        let Some(value) = self.rest.get_item(name)? else {
-            return Err(domain(
-                name,
-                "nothing",
-                &format!("a value for part {:?}", self.model),
-            ));
-        };
-        self.rest.del_item(name)?;
-        value.extract().map_err(Into::into)
-    }
-
-    fn photopic(&self, name: &'static str) -> PyResult<Spectrum> {
-        Spectrum::photopic(name, self.take(name)?).or_raise()
-    }
-
-    fn finish(self) -> PyResult<()> {
-        match self.rest.keys().iter().next() {
-            None => Ok(()),
-            Some(key) => Err(domain(
-                &format!("part {:?}", self.model),
-                format!("parameter {key}"),
-                "only parameters of this model",
-            )),
-        }
-    }
-}
-
-/// One part of an analytic model.
-fn part(spec: &Bound<'_, PyDict>) -> PyResult<Box<dyn core::Bsdf>> {
-    let p = Parameters::new(spec)?;
-    let model: Box<dyn core::Bsdf> = match p.model.as_str() {
-        "lambert" => {
-            let albedo = p.photopic("albedo")?;
-            match component(&p.take::<String>("component")?)? {
-                Component::Reflection => Box::new(Lambert::reflection(albedo)),
-                Component::Transmission => Box::new(Lambert::transmission(albedo)),
-            }
-        }
-        "ward_gmd" => Box::new(
-            WardGmd::new(WardGmdParameters {
-                rho: p.photopic("rho")?,
-                alpha_x: p.take("alpha_x")?,
-                alpha_y: p.take("alpha_y")?,
-                phi_x: p.take::<f64>("phi_x")?.to_radians(),
-            })
-            .or_raise()?,
-        ),
-        "transmission_lobe" => Box::new(
-            TransmissionLobe::new(TransmissionLobeParameters {
-                tau: p.photopic("tau")?,
-                alpha: p.take("alpha")?,
-                normalisation: LobeNormalisation::Bounded,
-            })
-            .or_raise()?,
-        ),
-        other => {
-            return Err(domain(
-                "model",
-                format!("{other:?}"),
-                "lambert, ward_gmd, transmission_lobe",
-            ));
-        }
-    };
-    p.finish()?;
-    Ok(model)
-}
-
-/// A photopic analytic model, the sum of `parts`. Each part is a dict with `model` and that model's parameters:
-/// lambert: component, albedo; ward_gmd: rho, alpha_x, alpha_y, phi_x (degrees); transmission_lobe: tau, alpha
-/// (bounded normalisation).
-#[pyfunction]
-fn analytic(parts: Vec<Bound<'_, PyDict>>) -> PyResult<Bsdf> {
-    let parts = parts.iter().map(part).collect::<PyResult<Vec<_>>>()?;
-    Ok(Bsdf(Arc::new(Sum::new(parts).or_raise()?)))
 }
 
 /// Directional-hemispherical reflectance or transmittance of `model` by adaptive quadrature.
@@ -242,7 +143,6 @@ fn simulate(
 }
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
-    m.add_function(wrap_pyfunction!(analytic, m)?)?;
     m.add_function(wrap_pyfunction!(directional_albedo, m)?)?;
     m.add_function(wrap_pyfunction!(simulate, m)?)
 }

@@ -1,16 +1,36 @@
 //! Analytic scattering models, one a file. Each holds for both sides of the sample alike.
+//!
+//! A model is a [`Formula`], written once for every number type ([`Real`]); [`Analytic`] makes a `Bsdf` of it,
+//! [`Family`] what the fit and the law tests work with, and [`families`] lists them all.
 
+pub mod family;
+pub mod fast;
+pub mod formula;
+pub mod info;
 pub mod lambert;
+pub mod model;
+pub mod pair;
+pub mod real;
+pub mod registry;
+pub mod slopes;
 pub mod spectrum;
 pub mod sum;
 pub mod transmission_lobe;
 pub mod ward_gmd;
 
-pub use lambert::Lambert;
+pub use family::{Family, Of};
+pub use fast::Fast;
+pub use formula::Formula;
+pub use info::{Exemption, Law, ModelInfo, ParameterInfo, Role, Scatters};
+pub use lambert::{Lambert, LambertReflection, LambertTransmission};
+pub use model::Analytic;
+pub use pair::{Pair, Pairs, PairsView};
+pub use real::{Dual, Real};
+pub use registry::{families, family};
 pub use spectrum::Spectrum;
 pub use sum::Sum;
-pub use transmission_lobe::{LobeNormalisation, TransmissionLobe, TransmissionLobeParameters};
-pub use ward_gmd::{WardGmd, WardGmdParameters};
+pub use transmission_lobe::{BoundedTransmissionLobe, TransmissionLobe};
+pub use ward_gmd::{WardGmd, WardGmdIsotropic};
 
 use crate::BsdfError;
 

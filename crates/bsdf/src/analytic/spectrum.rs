@@ -54,11 +54,4 @@ impl Spectrum {
     pub fn values(&self) -> &[f64] {
         &self.values
     }
-
-    /// Writes `factor` times each albedo into `f`.
-    pub(super) fn scaled_into(&self, factor: f64, f: &mut [f64]) {
-        for (out, value) in f.iter_mut().zip(&self.values) {
-            *out = factor * value;
-        }
-    }
 }

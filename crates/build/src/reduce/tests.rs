@@ -1,9 +1,6 @@
 use std::f64::consts::PI;
 
-use gonio_bsdf::analytic::{
-    Lambert, LobeNormalisation, Spectrum, Sum, TransmissionLobe, TransmissionLobeParameters, WardGmd,
-    WardGmdParameters,
-};
+use gonio_bsdf::analytic::{Analytic, BoundedTransmissionLobe, Lambert, Spectrum, Sum, WardGmd};
 use gonio_bsdf::klems::{KlemsBasis, Role};
 use gonio_bsdf::tensor_tree::Rank;
 use gonio_bsdf::{Properties, directional_albedo};
@@ -19,39 +16,27 @@ fn photopic(value: f64) -> Spectrum {
 /// Lambert 0.4 and a lobe of 0.2, isotropic.
 fn glossy(alpha: f64) -> Sum {
     Sum::new(vec![
-        Box::new(Lambert::reflection(photopic(0.4))),
-        Box::new(WardGmd::isotropic(photopic(0.2), alpha).unwrap()),
+        Box::new(Lambert::reflection(&photopic(0.4)).unwrap()),
+        Box::new(WardGmd::isotropic(&photopic(0.2), alpha).unwrap()),
     ])
     .unwrap()
 }
 
 fn brushed() -> Sum {
-    let lobe = WardGmd::new(WardGmdParameters {
-        rho: photopic(0.25),
-        alpha_x: 0.1,
-        alpha_y: 0.3,
-        phi_x: 0.4,
-    });
+    let lobe = WardGmd::anisotropic(&photopic(0.25), 0.1, 0.3, 0.4);
     Sum::new(vec![
-        Box::new(Lambert::reflection(photopic(0.3))),
+        Box::new(Lambert::reflection(&photopic(0.3)).unwrap()),
         Box::new(lobe.unwrap()),
     ])
     .unwrap()
 }
 
 /// Reflects 0.5 from the front and 0.1 from the back, transmits in a lobe.
-struct TwoFaced(TransmissionLobe);
+struct TwoFaced(Analytic<BoundedTransmissionLobe>);
 
 impl TwoFaced {
     fn new() -> Self {
-        TwoFaced(
-            TransmissionLobe::new(TransmissionLobeParameters {
-                tau: photopic(0.3),
-                alpha: 0.2,
-                normalisation: LobeNormalisation::Bounded,
-            })
-            .unwrap(),
-        )
+        TwoFaced(Analytic::<BoundedTransmissionLobe>::of(&photopic(0.3), &[0.2]).unwrap())
     }
 }
 
@@ -98,7 +83,7 @@ fn patch_albedo(model: &dyn Bsdf, basis: &KlemsBasis, patch: usize, side: Side, 
 
 #[test]
 fn lambert_gives_rho_over_pi_in_every_entry() {
-    let model = Lambert::reflection(photopic(0.7));
+    let model = Lambert::reflection(&photopic(0.7)).unwrap();
     let r = to_klems(&model, &KlemsOptions::default()).unwrap();
     let k = &r.model;
     for side in Side::BOTH {
@@ -278,7 +263,11 @@ fn capping_is_reported_patch_by_patch() {
 
 #[test]
 fn a_tree_of_a_constant_is_coarse_and_exact() {
-    let r = to_tensor_tree(&Lambert::reflection(photopic(0.7)), &TreeOptions::default()).unwrap();
+    let r = to_tensor_tree(
+        &Lambert::reflection(&photopic(0.7)).unwrap(),
+        &TreeOptions::default(),
+    )
+    .unwrap();
     let t = r.model.tree(Side::Front, Component::Reflection).unwrap();
     assert!((t.albedo([0.2, 0.0]) - 0.7).abs() < 1e-5 && (r.max_albedo - 0.7).abs() < 1e-5);
     assert!(t.len() < 6000, "{}", t.len());

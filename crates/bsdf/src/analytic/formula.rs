@@ -1,0 +1,39 @@
+//! A model as one formula; everything else is derived from it.
+
+use gonio_geom::Direction;
+
+use super::{ModelInfo, Pair, Real};
+
+/// A scattering model written once, for every number type: evaluation, vectorised evaluation, derivatives, sampling
+/// and the registry entry follow from it.
+///
+/// A formula holds for both sides of the sample alike: its pairs have `wi.z > 0`. The caller keeps it from directions
+/// on the horizon and on the side it does not scatter to; there it may return anything.
+pub trait Formula: Send + Sync + 'static {
+    /// The model as data.
+    const INFO: &'static ModelInfo;
+
+    /// What can be prepared from the parameters alone.
+    type Shape<R: Real>: Copy + Send + Sync;
+
+    /// Prepares parameters `p`, in the order of [`ModelInfo::parameters`].
+    fn shape<R: Real>(p: &[R]) -> Self::Shape<R>;
+
+    /// `f` in 1/sr. Mark it `#[inline(always)]`: loops over readings vectorise it.
+    fn bsdf<R: Real>(shape: &Self::Shape<R>, pair: &Pair<R::Plain>) -> R;
+
+    /// Density per unit solid angle with which [`Formula::sample`] returns `s`, given `w` with `w.z > 0`; 0 where it
+    /// never does.
+    fn pdf(shape: &Self::Shape<f64>, w: Direction, s: Direction) -> f64;
+
+    /// Samples the other direction given `w` with `w.z > 0` and `u` in `[0, 1)^3`; `None` is a failed sample.
+    fn sample(shape: &Self::Shape<f64>, w: Direction, u: [f64; 3]) -> Option<Direction>;
+
+    /// Whether the model with parameters `p` depends on `phi_s - phi_i` only.
+    fn isotropic(_p: &[f64]) -> bool {
+        true
+    }
+
+    /// Whether samples count as [`crate::Lobe::Diffuse`]; otherwise they are glossy.
+    const DIFFUSE: bool = false;
+}

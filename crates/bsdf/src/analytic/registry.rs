@@ -1,0 +1,147 @@
+//! The list of every analytic model.
+
+use super::{
+    BoundedTransmissionLobe, Family, LambertReflection, LambertTransmission, Of, TransmissionLobe, WardGmd,
+    WardGmdIsotropic,
+};
+use crate::BsdfError;
+
+/// Every analytic model. The fit, the command line, the docs and every law test run over this list.
+pub fn families() -> &'static [&'static dyn Family] {
+    const FAMILIES: &[&dyn Family] = &[
+        &Of::<LambertReflection, 1>::NEW,
+        &Of::<LambertTransmission, 1>::NEW,
+        &Of::<WardGmdIsotropic, 2>::NEW,
+        &Of::<WardGmd, 4>::NEW,
+        &Of::<TransmissionLobe, 2>::NEW,
+        &Of::<BoundedTransmissionLobe, 2>::NEW,
+    ];
+    FAMILIES
+}
+
+/// The model called `name`.
+///
+/// # Errors
+/// [`BsdfError::Domain`] that lists the names there are.
+pub fn family(name: &str) -> Result<&'static dyn Family, BsdfError> {
+    families()
+        .iter()
+        .copied()
+        .find(|f| f.info().name == name)
+        .ok_or_else(|| BsdfError::Domain {
+            field: "model",
+            found: format!("{name:?}"),
+            allowed: families()
+                .iter()
+                .map(|f| f.info().name)
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use gonio_geom::Direction;
+
+    use super::*;
+    use crate::Channel;
+    use crate::analytic::Pairs;
+
+    fn pairs() -> Pairs {
+        let mut pairs = Pairs::default();
+        for k in 0..101 {
+            let t = f64::from(k);
+            let wi = Direction::from_degrees(7.0 + 1.63 * t, 3.0 * t);
+            pairs.push(wi, Direction::from_degrees(178.0 - 1.71 * t, 41.0 * t));
+            // Near the mirror and the unbent direction, where narrow lobes are.
+            let near = wi.rotated(std::f64::consts::PI + 0.003 * t);
+            pairs.push(wi, near);
+            pairs.push(wi, near.flipped());
+        }
+        pairs
+    }
+
+    #[test]
+    fn names_are_unique_and_defaults_are_allowed() {
+        let mut names = HashSet::new();
+        for f in families() {
+            let info = f.info();
+            assert!(names.insert(info.name), "{} twice", info.name);
+            assert!(
+                f.model(&[(Channel::Photopic, info.defaults())]).is_ok(),
+                "{}",
+                info.name
+            );
+            assert!(!info.source.is_empty());
+        }
+        assert!(family("no such model").is_err());
+    }
+
+    #[test]
+    fn vectorised_values_agree_with_the_models_own() {
+        let pairs = pairs();
+        for f in families() {
+            let p = f.info().defaults();
+            let model = f.model(&[(Channel::Photopic, p.clone())]).unwrap();
+            let mut dsf = vec![f64::NAN; pairs.len()];
+            f.dsf(&p, pairs.view(0..pairs.len()), &mut dsf);
+            let mut lit = 0;
+            for (j, &got) in dsf.iter().enumerate() {
+                let v = pairs.view(j..j + 1).columns.map(|c| c[0]);
+                let [wi, ws] = [[v[0], v[1], v[2]], [v[3], v[4], v[5]]]
+                    .map(|a| Direction::from_unit(gonio_geom::DVec3::from_array(a)));
+                let want = model.eval_first(wi, ws) * ws.cos_theta().abs();
+                assert!(
+                    (got - want).abs() <= 1e-11 * want,
+                    "{}: {got} {want}",
+                    f.info().name
+                );
+                lit += usize::from(want > 0.0);
+            }
+            assert!(lit > 50, "{}: only {lit} pairs scatter", f.info().name);
+        }
+    }
+
+    #[test]
+    fn gradients_agree_with_central_differences() {
+        let pairs = pairs();
+        let (n, all) = (pairs.len(), 0..pairs.len());
+        for f in families() {
+            let infos = f.info().parameters;
+            let p: Vec<f64> = infos
+                .iter()
+                .enumerate()
+                .map(|(k, i)| i.default + 0.02 * (k + 1) as f64 * (i.high - i.default))
+                .collect();
+            let mut dsf = vec![0.0; n];
+            let mut gradient = vec![0.0; n * p.len()];
+            f.dsf_and_gradient(&p, pairs.view(all.clone()), &mut dsf, &mut gradient);
+            for (k, row) in gradient.chunks_exact(n).enumerate() {
+                let h = 1e-6 * p[k].abs().max(1e-2);
+                let at = |step: f64| {
+                    let mut q = p.clone();
+                    q[k] += step;
+                    let mut values = vec![0.0; n];
+                    f.dsf(&q, pairs.view(all.clone()), &mut values);
+                    values
+                };
+                let (up, down) = (at(h), at(-h));
+                let scale = row.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+                // What rounding of the values themselves leaves in a difference quotient.
+                let noise = 1e-14 * dsf.iter().fold(0.0_f64, |m, d| m.max(*d)) / h;
+                for j in 0..n {
+                    let numeric = (up[j] - down[j]) / (2.0 * h);
+                    assert!(
+                        (row[j] - numeric).abs() <= 1e-6 * scale + 1e-6 * numeric.abs() + noise,
+                        "{} by {}: {} {numeric}",
+                        f.info().name,
+                        infos[k].name,
+                        row[j]
+                    );
+                }
+            }
+        }
+    }
+}
