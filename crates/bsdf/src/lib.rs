@@ -10,6 +10,7 @@ pub mod components;
 pub mod error;
 pub mod klems;
 pub mod quantity;
+pub mod radiance;
 pub mod tensor_tree;
 pub mod traits;
 
@@ -18,4 +19,5 @@ pub use channel::Channel;
 pub use components::FourComponents;
 pub use error::BsdfError;
 pub use quantity::Quantity;
+pub use radiance::RadianceMaterial;
 pub use traits::{Bsdf, Lobe, Properties, Sample};

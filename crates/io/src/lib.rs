@@ -10,6 +10,7 @@ mod grouping;
 pub mod mountain;
 pub mod nist_ptfe;
 pub mod options;
+pub mod radiance_material;
 pub mod radiance_xml;
 pub mod table;
 mod text;
