@@ -16,6 +16,7 @@ pub mod slopes;
 pub mod spectrum;
 pub mod sum;
 pub mod transmission_lobe;
+pub mod transmission_lobe_anisotropic;
 pub mod ward_gmd;
 
 pub use family::{Family, Of};
@@ -30,6 +31,7 @@ pub use registry::{families, family};
 pub use spectrum::Spectrum;
 pub use sum::Sum;
 pub use transmission_lobe::{BoundedTransmissionLobe, TransmissionLobe};
+pub use transmission_lobe_anisotropic::AnisotropicTransmissionLobe;
 pub use ward_gmd::{WardGmd, WardGmdIsotropic};
 
 use crate::BsdfError;

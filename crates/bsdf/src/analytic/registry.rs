@@ -1,8 +1,8 @@
 //! The list of every analytic model.
 
 use super::{
-    BoundedTransmissionLobe, Family, LambertReflection, LambertTransmission, Of, TransmissionLobe, WardGmd,
-    WardGmdIsotropic,
+    AnisotropicTransmissionLobe, BoundedTransmissionLobe, Family, LambertReflection, LambertTransmission, Of,
+    TransmissionLobe, WardGmd, WardGmdIsotropic,
 };
 use crate::BsdfError;
 
@@ -15,6 +15,7 @@ pub fn families() -> &'static [&'static dyn Family] {
         &Of::<WardGmd, 4>::NEW,
         &Of::<TransmissionLobe, 2>::NEW,
         &Of::<BoundedTransmissionLobe, 2>::NEW,
+        &Of::<AnisotropicTransmissionLobe, 4>::NEW,
     ];
     FAMILIES
 }
