@@ -18,6 +18,22 @@ pub struct Exemption {
     pub law: Law,
     /// How far, as measured; the model's page in docs/models says the same.
     pub amount: &'static str,
+    /// One case in which the break shows, which a test repeats.
+    pub witness: Witness,
+}
+
+/// A case in which a law is broken. Light arrives at azimuth 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Witness {
+    /// Parameters in the order of [`ModelInfo::parameters`].
+    pub parameters: &'static [f64],
+    /// Polar angle of incidence, degrees.
+    pub theta_i: f64,
+    /// Polar angle of the receiver at azimuth 180 degrees, degrees; any value for [`Law::Energy`].
+    pub theta_s: f64,
+    /// [`Law::Energy`]: the reflectance plus transmittance; [`Law::Reciprocity`]: how far `f(wi, ws)` and `f(ws, wi)`
+    /// lie apart, as a share of the larger. Exact to its last digit but one.
+    pub measured: f64,
 }
 
 /// What a parameter does, so that a fit knows how to start and a test how to vary it.

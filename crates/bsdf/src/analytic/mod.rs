@@ -22,7 +22,7 @@ pub mod ward_gmd;
 pub use family::{Family, Of};
 pub use fast::Fast;
 pub use formula::Formula;
-pub use info::{Exemption, Law, ModelInfo, ParameterInfo, Role, Scatters};
+pub use info::{Exemption, Law, ModelInfo, ParameterInfo, Role, Scatters, Witness};
 pub use lambert::{Lambert, LambertReflection, LambertTransmission};
 pub use model::Analytic;
 pub use pair::{Pair, Pairs, PairsView};

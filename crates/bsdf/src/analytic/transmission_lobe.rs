@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use gonio_geom::{DVec3, Direction};
 
-use super::{Exemption, Formula, Law, ModelInfo, Pair, ParameterInfo, Real, Scatters};
+use super::{Exemption, Formula, Law, ModelInfo, Pair, ParameterInfo, Real, Scatters, Witness};
 
 /// Gaussian lobe about the unbent direction `t = -wi`:
 ///
@@ -37,6 +37,12 @@ static PUBLISHED: ModelInfo = ModelInfo {
     breaks: &[Exemption {
         law: Law::Energy,
         amount: "transmittance 1.05 tau at 88 degrees for alpha = .2, 1.41 tau for alpha = .5",
+        witness: Witness {
+            parameters: &[1.0, 0.5],
+            theta_i: 88.0,
+            theta_s: 0.0,
+            measured: 1.41,
+        },
     }],
 };
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use gonio_geom::{DVec3, Direction};
 
-use super::{Exemption, Formula, Law, ModelInfo, Pair, ParameterInfo, Real, Scatters};
+use super::{Exemption, Formula, Law, ModelInfo, Pair, ParameterInfo, Real, Scatters, Witness};
 
 /// [`TransmissionLobe`](super::TransmissionLobe) of two widths whose x axis lies at azimuth `phi_x`:
 ///
@@ -37,6 +37,12 @@ static INFO: ModelInfo = ModelInfo {
     breaks: &[Exemption {
         law: Law::Energy,
         amount: "transmittance 1.16 tau at 45 degrees and 1.45 tau at 75 for alpha_x = .1 in the plane of incidence, alpha_y = .3",
+        witness: Witness {
+            parameters: &[1.0, 0.1, 0.3, 0.0],
+            theta_i: 75.0,
+            theta_s: 0.0,
+            measured: 1.45,
+        },
     }],
 };
 
