@@ -3,28 +3,38 @@
 //! A model is a [`Formula`], written once for every number type ([`Real`]); [`Analytic`] makes a `Bsdf` of it,
 //! [`Family`] what the fit and the law tests work with, and [`families`] lists them all.
 
+pub mod abg;
+pub mod ashikhmin_shirley;
 pub mod family;
 pub mod fast;
 pub mod formula;
+pub mod harvey_shack;
 pub mod info;
 pub mod lambert;
 pub mod model;
+pub mod oren_nayar;
 pub mod pair;
 pub mod real;
 pub mod registry;
+mod shift_invariant;
 pub mod slopes;
 pub mod spectrum;
 pub mod sum;
 pub mod transmission_lobe;
 pub mod transmission_lobe_anisotropic;
+pub mod ward;
 pub mod ward_gmd;
 
+pub use abg::{Abg, AbgTransmission};
+pub use ashikhmin_shirley::{AshikhminShirley, AshikhminShirleyIsotropic};
 pub use family::{Family, Of};
 pub use fast::Fast;
 pub use formula::Formula;
+pub use harvey_shack::{HarveyShack, HarveyShackTransmission};
 pub use info::{Exemption, Law, ModelInfo, ParameterInfo, Role, Scatters, Witness};
 pub use lambert::{Lambert, LambertReflection, LambertTransmission};
 pub use model::Analytic;
+pub use oren_nayar::OrenNayar;
 pub use pair::{Pair, Pairs, PairsView};
 pub use real::{Dual, Real};
 pub use registry::{families, family};
@@ -32,6 +42,7 @@ pub use spectrum::Spectrum;
 pub use sum::Sum;
 pub use transmission_lobe::{BoundedTransmissionLobe, TransmissionLobe};
 pub use transmission_lobe_anisotropic::AnisotropicTransmissionLobe;
+pub use ward::{Ward, WardDuer, WardDuerIsotropic, WardIsotropic};
 pub use ward_gmd::{WardGmd, WardGmdIsotropic};
 
 use crate::BsdfError;

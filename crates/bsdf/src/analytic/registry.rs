@@ -1,8 +1,10 @@
 //! The list of every analytic model.
 
 use super::{
-    AnisotropicTransmissionLobe, BoundedTransmissionLobe, Family, LambertReflection, LambertTransmission, Of,
-    TransmissionLobe, WardGmd, WardGmdIsotropic,
+    Abg, AbgTransmission, AnisotropicTransmissionLobe, AshikhminShirley, AshikhminShirleyIsotropic,
+    BoundedTransmissionLobe, Family, HarveyShack, HarveyShackTransmission, LambertReflection,
+    LambertTransmission, Of, OrenNayar, TransmissionLobe, Ward, WardDuer, WardDuerIsotropic, WardGmd,
+    WardGmdIsotropic, WardIsotropic,
 };
 use crate::BsdfError;
 
@@ -11,11 +13,22 @@ pub fn families() -> &'static [&'static dyn Family] {
     const FAMILIES: &[&dyn Family] = &[
         &Of::<LambertReflection, 1>::NEW,
         &Of::<LambertTransmission, 1>::NEW,
+        &Of::<OrenNayar, 2>::NEW,
+        &Of::<WardIsotropic, 2>::NEW,
+        &Of::<Ward, 4>::NEW,
+        &Of::<WardDuerIsotropic, 2>::NEW,
+        &Of::<WardDuer, 4>::NEW,
         &Of::<WardGmdIsotropic, 2>::NEW,
         &Of::<WardGmd, 4>::NEW,
         &Of::<TransmissionLobe, 2>::NEW,
         &Of::<BoundedTransmissionLobe, 2>::NEW,
         &Of::<AnisotropicTransmissionLobe, 4>::NEW,
+        &Of::<AshikhminShirleyIsotropic, 3>::NEW,
+        &Of::<AshikhminShirley, 5>::NEW,
+        &Of::<Abg, 3>::NEW,
+        &Of::<AbgTransmission, 3>::NEW,
+        &Of::<HarveyShack, 3>::NEW,
+        &Of::<HarveyShackTransmission, 3>::NEW,
     ];
     FAMILIES
 }
