@@ -17,6 +17,7 @@ from gonio._native import (
 )
 from gonio.building import build
 from gonio.checking import check
+from gonio.colours import Colour, colour, colour_of_channels
 from gonio.demonstrating import DemoResult, demo
 from gonio.exporting import Export, export, read_radiance
 from gonio.inspecting import inspect
@@ -25,10 +26,13 @@ from gonio.processing import process
 from gonio.readings import Readings, read
 from gonio.reporting import report
 from gonio.simulating import simulate
+from gonio.sphere_readings import SphereResult, specularity
+from gonio.surface_roughness import Roughness, roughness
 
 __all__ = [
     "FLAGS",
     "Bsdf",
+    "Colour",
     "DataDriven",
     "DemoResult",
     "DomainError",
@@ -40,12 +44,16 @@ __all__ = [
     "Measurement",
     "QuantityError",
     "Readings",
+    "Roughness",
     "Scan",
     "Slice",
+    "SphereResult",
     "Verdict",
     "__version__",
     "build",
     "check",
+    "colour",
+    "colour_of_channels",
     "demo",
     "export",
     "inspect",
@@ -53,5 +61,7 @@ __all__ = [
     "read",
     "read_radiance",
     "report",
+    "roughness",
     "simulate",
+    "specularity",
 ]

@@ -24,7 +24,19 @@ def test_a_usage_error_is_one_line_that_names_the_help(run, arguments, names):
 def test_without_arguments_the_verbs_are_listed(run, arguments):
     done = run(*arguments)
     assert done.code == 0
-    for verb in ("inspect", "process", "check", "build", "export", "report", "simulate", "demo"):
+    for verb in (
+        "inspect",
+        "process",
+        "check",
+        "build",
+        "export",
+        "report",
+        "simulate",
+        "specularity",
+        "roughness",
+        "colour",
+        "demo",
+    ):
         assert verb in done.out
 
 

@@ -38,7 +38,10 @@ class Radiance:
 
 LAMBERT = {"model": "lambert", "rho": 0.3}
 MODELS = {
-    "isotropic": [LAMBERT, {"model": "ward-gmd-anisotropic", "rho": 0.2, "alpha_x": 0.15, "alpha_y": 0.15, "phi_x": 0.0}],
+    "isotropic": [
+        LAMBERT,
+        {"model": "ward-gmd-anisotropic", "rho": 0.2, "alpha_x": 0.15, "alpha_y": 0.15, "phi_x": 0.0},
+    ],
     "anisotropic": [
         LAMBERT,
         {"model": "ward-gmd-anisotropic", "rho": 0.25, "alpha_x": 0.1, "alpha_y": 0.3, "phi_x": 20.0},

@@ -10,13 +10,16 @@ import typer
 import gonio
 from gonio.cli.build import build
 from gonio.cli.check import check
+from gonio.cli.colour import colour
 from gonio.cli.demo import demo
 from gonio.cli.export import export
 from gonio.cli.inspect import inspect
 from gonio.cli.process import process
 from gonio.cli.report import report
+from gonio.cli.roughness import roughness
 from gonio.cli.running import EXIT_ERROR, EXIT_INTERRUPTED, err, guarded, verb
 from gonio.cli.simulate import simulate
+from gonio.cli.specularity import specularity
 
 app = typer.Typer(
     name="gonio",
@@ -41,7 +44,19 @@ def _root(
     pass
 
 
-for function in (inspect, process, check, build, export, report, simulate, demo):
+for function in (
+    inspect,
+    process,
+    check,
+    build,
+    export,
+    report,
+    simulate,
+    specularity,
+    roughness,
+    colour,
+    demo,
+):
     verb(app, function)
 
 
