@@ -32,7 +32,7 @@ pub struct Witness {
     /// Polar angle of the receiver at azimuth 180 degrees, degrees; any value for [`Law::Energy`].
     pub theta_s: f64,
     /// [`Law::Energy`]: the reflectance plus transmittance; [`Law::Reciprocity`]: how far `f(wi, ws)` and `f(ws, wi)`
-    /// lie apart, as a share of the larger. Exact to its last digit but one.
+    /// lie apart, as a share of the larger. Exact to one unit of its last digit.
     pub measured: f64,
 }
 
