@@ -3,7 +3,7 @@
 use gonio_bsdf::{Bsdf, Channel, Quantity};
 use gonio_geom::{Angles, Component, Direction};
 use gonio_scan::{Scan, ScanKind, ScanMeta};
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
@@ -75,7 +75,7 @@ pub fn simulate(
         campaign,
         meta: meta(instrument, campaign),
         clock: 0.0,
-        phase: Pcg64::new(u128::from(campaign.seed), 0).random_range(0.0..std::f64::consts::TAU),
+        phase: random_stream(campaign.seed, 0).random_range(0.0..std::f64::consts::TAU),
         records: Vec::new(),
         streams: 0,
     };
@@ -158,14 +158,19 @@ struct Session<'a> {
     /// Phase of the dark level's swing.
     phase: f64,
     records: Vec<Scan>,
-    streams: u128,
+    streams: u64,
+}
+
+/// Stream `k` of a campaign's seed. The seed is hashed: streams of a generator whose states lie close are correlated.
+fn random_stream(seed: u64, k: u64) -> Pcg64 {
+    Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(k))
 }
 
 impl Session<'_> {
     /// A random stream of its own for the next record.
     fn stream(&mut self) -> Pcg64 {
         self.streams += 1;
-        Pcg64::new(u128::from(self.campaign.seed), self.streams)
+        random_stream(self.campaign.seed, self.streams)
     }
 
     /// Reads the noise-free `signals` (row = channel) at the recorded `angles` and files one record a channel.

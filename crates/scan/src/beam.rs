@@ -37,12 +37,29 @@ pub struct Beam {
 
 impl Beam {
     /// Relative combined standard uncertainty of the power.
+    ///
+    /// The scatter of few repeated scans is widened by Student's factor, so that twice the result still covers 95 %
+    /// [JCGM100, G.3].
     pub fn u_power(&self) -> f64 {
         // Repeated scans scatter by noise and raster phase too: the larger of the two accounts, not both.
-        self.u_quadrature
-            .hypot(self.u_noise)
-            .max(self.u_repeatability.unwrap_or(0.0))
+        let repeated = self
+            .u_repeatability
+            .map_or(0.0, |u| u * student_factor(self.scans));
+        self.u_quadrature.hypot(self.u_noise).max(repeated)
     }
+}
+
+/// Half width of the 95 % interval of a mean of `n >= 2` values over that of a known standard deviation.
+fn student_factor(n: usize) -> f64 {
+    const NORMAL: f64 = 1.959_964;
+    // Two-sided 95 % points of Student's t for 1 to 9 degrees of freedom; from there on its expansion in 1/nu.
+    const T95: [f64; 9] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262];
+    let nu = n.saturating_sub(1).max(1);
+    let t = T95.get(nu - 1).copied().unwrap_or_else(|| {
+        let nu = nu as f64;
+        NORMAL + 2.3723 / nu + 2.8225 / (nu * nu)
+    });
+    t / NORMAL
 }
 
 /// Largest mean signal at the rim of the raster, as a fraction of the peak, at which it still covers the beam.
@@ -50,6 +67,9 @@ const RIM_LIMIT: f64 = 0.01;
 
 /// Beam power and signature from the dark-subtracted reference scans of one channel. `u_dark` is the standard
 /// uncertainty that all readings of a scan share (dark level).
+///
+/// Scans repeated over the same directions tell their noise reading by reading; of others `noise` has to, which counts
+/// the structure of a steep beam along with it.
 ///
 /// The quadrature's uncertainty is one and a half times the scatter of the sum over positions of the raster, for the
 /// beam's fall-off as the readings show it; not less than an eighth of, and not more than, the rms change of the sum when
@@ -79,11 +99,15 @@ pub fn beam_power(scans: &[Scan], noise: &NoiseModel, u_dark: f64) -> Result<Bea
     let rms = |pick: fn(&Single) -> f64| -> f64 {
         (singles.iter().map(|s| pick(s).powi(2)).sum::<f64>() / n).sqrt() / n.sqrt()
     };
+    let u_noise = match scatter_of_repeats(scans, &singles[0].omega) {
+        Some(sum) => (sum / n.sqrt()).hypot(rms(|s| s.u_dark) * power) / power,
+        None => rms(|s| s.u_noise.hypot(s.u_dark)),
+    };
     Ok(Beam {
         channel: first.channel,
         power,
         u_quadrature: rms(|s| s.u_quadrature),
-        u_noise: rms(|s| s.u_noise),
+        u_noise,
         u_repeatability: (powers.len() > 1).then(|| deviation / n.sqrt() / power),
         signature: singles[0].signature,
         distance: first.meta.distance,
@@ -98,6 +122,8 @@ struct Single {
     power: f64,
     u_quadrature: f64,
     u_noise: f64,
+    u_dark: f64,
+    omega: Vec<f64>,
     signature: Signature,
     rim: f64,
 }
@@ -225,10 +251,34 @@ fn single(scan: &Scan, noise: &NoiseModel, u_dark: f64) -> Result<Single, ScanEr
     Ok(Single {
         power,
         u_quadrature: u_quadrature / power,
-        u_noise: (variance.sqrt()).hypot(u_dark * field) / power,
+        u_noise: variance.sqrt() / power,
+        u_dark: u_dark * field / power,
+        omega,
         signature,
         rim,
     })
+}
+
+/// Standard deviation of the beam sum of one scan from the scatter of each reading over repeated scans, in which the
+/// beam's structure cancels. `None` for a single scan, or for scans of other directions or with readings missing.
+fn scatter_of_repeats(scans: &[Scan], omega: &[f64]) -> Option<f64> {
+    let (first, rest) = scans.split_first()?;
+    let same = |scan: &Scan| {
+        scan.len() == omega.len()
+            && scan.value.iter().all(|v| v.is_finite())
+            && (0..scan.len()).all(|j| scan.direction(j).angle_to(first.direction(j)) < 1e-6)
+    };
+    if rest.is_empty() || !scans.iter().all(same) {
+        return None;
+    }
+    let variance: f64 = (0..first.len())
+        .map(|j| {
+            let repeats: Vec<f64> = scans.iter().map(|s| s.value[j]).collect();
+            let deviation = mean_and_deviation(&repeats).map_or(0.0, |m| m.1);
+            (omega[j] * deviation).powi(2)
+        })
+        .sum();
+    Some(variance.sqrt())
 }
 
 /// Mean signal of the readings on the convex rim of the raster, seen in the tangent plane of its centre.
@@ -403,6 +453,22 @@ mod tests {
         let (_, spread) = mean_and_deviation(&errors).unwrap();
         // 60 repeats: the standard deviation is known to 9 %; 0.7..1.35 lets a right claim fail once in 1000 seeds.
         assert!((0.7..1.35).contains(&(claimed / spread)), "{claimed} {spread}");
+        // Repeats over the same directions tell the noise without any model of it.
+        let mut ratios = Vec::new();
+        for _ in 0..30 {
+            let scans: Vec<Scan> = (0..3)
+                .map(|_| {
+                    beam_scan(0.0, 0.0, 0.2, 2.0, |g| {
+                        gauss(g) + noise.normal() * model.sigma(gauss(g))
+                    })
+                })
+                .collect();
+            ratios.push(beam_power(&scans, &NoiseModel::UNKNOWN, 0.0).unwrap().u_noise / claimed);
+        }
+        let (mean, _) = mean_and_deviation(&ratios).unwrap();
+        // The variance of some 40 readings in the beam with two degrees of freedom each: a ratio scatters by 8 %,
+        // the mean of 30 by 1.5 %; five of those.
+        assert!((mean * 3.0_f64.sqrt() - 1.0).abs() < 0.075, "{mean}");
         let scans: Vec<Scan> = [1.0, 1.02, 0.98]
             .iter()
             .map(|f| beam_scan(0.0, 0.0, 0.2, 2.0, |g| f * gauss(g)))
@@ -410,6 +476,9 @@ mod tests {
         let beam = beam_power(&scans, &NoiseModel::UNKNOWN, 0.0).unwrap();
         let u = beam.u_repeatability.unwrap();
         assert!((u - 0.02 / 3.0_f64.sqrt()).abs() < 1e-4, "{u}");
+        // Student's t of two degrees of freedom.
+        assert!((beam.u_power() / u - 4.303 / 1.96).abs() < 1e-3);
+        assert!((student_factor(31) * 1.96 - 2.0423).abs() < 1e-3);
     }
 
     #[test]

@@ -106,7 +106,7 @@ pub fn process_owned(
     }
     let mut warnings = Vec::new();
     let noise = noise_models(&sample, dark, options);
-    let beams = beams(beam, dark, options, &mut warnings)?;
+    let beams = beams(beam, dark, &noise, options, &mut warnings)?;
     for scan in sample.iter().filter(|s| s.quantity == Quantity::Signal) {
         beam_of(&beams, scan)?;
     }
@@ -252,10 +252,11 @@ pub(crate) fn model_of(
         .unwrap_or(NoiseModel::UNKNOWN)
 }
 
-/// Beam power of every channel in `scans`.
+/// Beam power of every channel in `scans`; `sample` holds what is known of the noise of the sample's readings.
 fn beams(
     scans: &[Scan],
     dark: &[Scan],
+    sample: &[(Channel, NoiseModel)],
     options: &ProcessOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Beam>, ScanError> {
@@ -275,7 +276,12 @@ fn beams(
                 .unwrap_or_else(|| {
                     let all: Vec<&Scan> = of.iter().collect();
                     let dark: Vec<&Scan> = dark.iter().filter(|d| d.channel == channel).collect();
-                    NoiseModel::estimate(&all, &dark)
+                    let mut found = NoiseModel::estimate(&all, &dark);
+                    // A steep raster counts the beam's structure as noise; the same detector on the sample does not.
+                    if let Some((_, m)) = sample.iter().find(|m| m.0 == channel && m.1.relative > 0.0) {
+                        found.relative = found.relative.min(m.relative);
+                    }
+                    found
                 })
         });
         for scan in &mut of {
