@@ -17,7 +17,8 @@ pub struct Integral {
     pub error: f64,
 }
 
-/// `integral f |cos_s| domega_s` over the hemisphere that `component` names, for channel number `channel`.
+/// `integral f |cos_s| domega_s` over the hemisphere that `component` names, for channel number `channel`, the ideal
+/// part of the model included ([`Bsdf::delta`]).
 ///
 /// Accurate to 1e-6 for lobes of `alpha >= 0.02` about the mirror or the unbent direction; piecewise constant models
 /// stop at a few parts in 1e5 (see [`hemispherical_integral`] for the error). A `wi` on the horizon
@@ -28,15 +29,18 @@ pub fn directional_albedo(model: &dyn Bsdf, wi: Direction, component: Component,
         return f64::NAN;
     }
     let side = component.scattered_side(wi.side());
+    let mut shares = vec![0.0; n];
+    model.delta(wi, component, &mut shares);
     if n == 1 {
-        return hemispherical_integral(wi, side, |ws| model.eval_first(wi, ws) * ws.cos_theta().abs()).value;
+        let broad = hemispherical_integral(wi, side, |ws| model.eval_first(wi, ws) * ws.cos_theta().abs());
+        return broad.value + shares[0];
     }
-    hemispherical_integral(wi, side, |ws| {
+    let broad = hemispherical_integral(wi, side, |ws| {
         let mut f = vec![0.0; n];
         model.eval(wi, ws, &mut f);
         f[channel] * ws.cos_theta().abs()
-    })
-    .value
+    });
+    broad.value + shares[channel]
 }
 
 /// Absolute error at which the subdivision stops.

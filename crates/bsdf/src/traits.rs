@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use gonio_geom::{DVec3, Direction, Side};
+use gonio_geom::{Component, DVec3, Direction, Side};
 
 use crate::Channel;
 
@@ -33,9 +33,10 @@ pub enum Lobe {
 pub struct Sample {
     /// The sampled direction; leaves the surface.
     pub direction: Direction,
-    /// `f |cos| / pdf` of the first channel, cos of the sampled direction.
+    /// `f |cos| / pdf` of the first channel, cos of the sampled direction; of an ideal direction its share of the
+    /// light over the probability.
     pub weight: f64,
-    /// Density of `direction` per unit solid angle, 1/sr.
+    /// Density of `direction` per unit solid angle, 1/sr; the probability of an ideal direction ([`Lobe::Delta`]).
     pub pdf: f64,
     /// The part of the model it came from.
     pub lobe: Lobe,
@@ -67,13 +68,37 @@ pub trait Bsdf: Send + Sync {
         }
     }
 
-    /// Density per unit solid angle with which [`Bsdf::sample`] returns `sampled`, given `w`.
+    /// The ideal part of the model, which [`Bsdf::eval`] and [`Bsdf::pdf`] leave out: the direction that light from
+    /// `w` takes without spreading (mirrored, straight through, refracted) and, into `shares`, the share of it that
+    /// does, one value a channel. `None` and zeros where there is no such part, and for `w` on the horizon.
+    ///
+    /// Shares are of the flux: the integral of `f |cos theta_s|` over the ideal direction. Radiance that crosses into
+    /// a medium of another index scales by the squared ratio of the indices on top of it.
+    fn delta(&self, _w: Direction, _component: Component, shares: &mut [f64]) -> Option<Direction> {
+        shares.fill(0.0);
+        None
+    }
+
+    /// Whether the model has an ideal part for light at 30 degrees on either side.
+    fn has_delta(&self) -> bool {
+        let mut shares = vec![0.0; self.channels().len()];
+        [30.0, 150.0].into_iter().any(|theta| {
+            [Component::Reflection, Component::Transmission]
+                .into_iter()
+                .any(|c| {
+                    self.delta(Direction::from_degrees(theta, 0.0), c, &mut shares)
+                        .is_some()
+                })
+        })
+    }
+
+    /// Density per unit solid angle with which [`Bsdf::sample`] returns `sampled`, given `w`; ideal directions apart.
     fn pdf(&self, _w: Direction, sampled: Direction) -> f64 {
         0.5 * sampled.cos_theta().abs() / PI
     }
 
     /// Samples the other direction given `w` (the model is evaluated as `f(w, sampled)`) with `u` in `[0, 1)^3`.
-    /// `None` is a failed sample of weight zero. The default draws a cosine-weighted direction on either side:
+    /// `None` is a failed sample: no channel has any light in it. The default draws a cosine-weighted direction on either side:
     /// correct for every model, efficient only for broad ones.
     fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
         let side = if u[2] < 0.5 { Side::Front } else { Side::Back };

@@ -64,7 +64,7 @@ static TRANSMISSION: ModelInfo = ModelInfo {
 };
 
 /// A cosine-weighted direction of `z > 0`.
-pub(super) fn cosine_direction(u: [f64; 3]) -> Option<Direction> {
+pub(crate) fn cosine_direction(u: [f64; 3]) -> Option<Direction> {
     let (r, phi) = (u[0].sqrt(), 2.0 * PI * u[1]);
     let z = (1.0 - u[0]).max(0.0).sqrt();
     if z <= 0.0 {
@@ -74,7 +74,7 @@ pub(super) fn cosine_direction(u: [f64; 3]) -> Option<Direction> {
 }
 
 /// The density of [`cosine_direction`].
-pub(super) fn cosine_density(s: Direction) -> f64 {
+pub(crate) fn cosine_density(s: Direction) -> f64 {
     s.cos_theta().max(0.0) / PI
 }
 

@@ -154,7 +154,8 @@ impl<F: Formula> Bsdf for Analytic<F> {
         F::pdf(&self.shapes[0], in_front(w, w), in_front(w, sampled))
     }
 
-    /// Samples the first channel's lobe.
+    /// Samples the first channel's lobe, whatever its amplitude: another channel, or another part of a sum, may have
+    /// something there.
     fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
         if w.cos_theta() == 0.0 {
             return None;
@@ -162,7 +163,7 @@ impl<F: Formula> Bsdf for Analytic<F> {
         let direction = in_front(w, F::sample(&self.shapes[0], in_front(w, w), u)?);
         let pdf = Bsdf::pdf(self, w, direction);
         let weight = self.eval_first(w, direction) * direction.cos_theta().abs() / pdf;
-        (pdf > 0.0 && weight > 0.0 && weight.is_finite()).then_some(Sample {
+        (pdf > 0.0 && weight.is_finite()).then_some(Sample {
             direction,
             weight,
             pdf,

@@ -21,20 +21,7 @@ impl Sum {
     /// energy can still exceed 1; it is called energy conserving when its albedo, by quadrature at eight incidences
     /// up to 89 degrees (of four azimuths if it is anisotropic) on both sides, does not.
     pub fn new(parts: Vec<Box<dyn Bsdf>>) -> Result<Self, BsdfError> {
-        let Some(first) = parts.first() else {
-            return Err(BsdfError::Domain {
-                field: "parts",
-                found: "none".into(),
-                allowed: "at least one model".into(),
-            });
-        };
-        if let Some(other) = parts.iter().find(|p| p.channels() != first.channels()) {
-            return Err(BsdfError::Domain {
-                field: "parts",
-                found: format!("channels {}", names(other.channels())),
-                allowed: format!("channels {} in every part", names(first.channels())),
-            });
-        }
+        compatible(&parts)?;
         // Parts are drawn by their albedo at 30 degrees, none less often than one time in fifty.
         let wi = Direction::from_degrees(30.0, 0.0);
         let albedo: Vec<f64> = parts
@@ -46,9 +33,29 @@ impl Sum {
                     .sum()
             })
             .collect();
-        let total: f64 = albedo.iter().sum();
+        let energy = parts.iter().all(|p| p.properties().energy_conserving);
+        let mut model = Sum::drawn(parts, &albedo, energy);
+        if model.parts.len() > 1 && model.properties.energy_conserving {
+            model.properties.energy_conserving = model.albedo_stays_below_one();
+        }
+        Ok(model)
+    }
+
+    /// The sum of `parts`, each drawn in proportion to the weight beside it (at least one time in fifty), for a caller
+    /// who knows whether the sum conserves energy.
+    ///
+    /// # Errors
+    /// As [`Sum::new`].
+    pub fn weighted(parts: Vec<(Box<dyn Bsdf>, f64)>, energy_conserving: bool) -> Result<Self, BsdfError> {
+        let (parts, weights): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
+        compatible(&parts)?;
+        Ok(Sum::drawn(parts, &weights, energy_conserving))
+    }
+
+    fn drawn(parts: Vec<Box<dyn Bsdf>>, weights: &[f64], energy_conserving: bool) -> Self {
+        let total: f64 = weights.iter().sum();
         let share: Vec<f64> = if total > 0.0 {
-            albedo.iter().map(|a| (a / total).max(0.02)).collect()
+            weights.iter().map(|w| (w / total).max(0.02)).collect()
         } else {
             vec![1.0; parts.len()]
         };
@@ -62,19 +69,15 @@ impl Sum {
             })
             .collect();
         let all = |of: fn(&Properties) -> bool| parts.iter().all(|p| of(&p.properties()));
-        let mut model = Sum {
+        Sum {
             properties: Properties {
                 reciprocal: all(|p| p.reciprocal),
-                energy_conserving: all(|p| p.energy_conserving),
+                energy_conserving,
                 isotropic: all(|p| p.isotropic),
             },
             cumulative,
             parts,
-        };
-        if model.parts.len() > 1 && model.properties.energy_conserving {
-            model.properties.energy_conserving = model.albedo_stays_below_one();
         }
-        Ok(model)
     }
 
     /// The parts in order.
@@ -105,6 +108,56 @@ impl Sum {
     fn probability(&self, k: usize) -> f64 {
         self.cumulative[k] - if k > 0 { self.cumulative[k - 1] } else { 0.0 }
     }
+}
+
+/// At least one part, all for the same channels, ideal parts of one component in one direction.
+fn compatible(parts: &[Box<dyn Bsdf>]) -> Result<(), BsdfError> {
+    let Some(first) = parts.first() else {
+        return Err(BsdfError::Domain {
+            field: "parts",
+            found: "none".into(),
+            allowed: "at least one model".into(),
+        });
+    };
+    if let Some(other) = parts.iter().find(|p| p.channels() != first.channels()) {
+        return Err(BsdfError::Domain {
+            field: "parts",
+            found: format!("channels {}", names(other.channels())),
+            allowed: format!("channels {} in every part", names(first.channels())),
+        });
+    }
+    if let Some(found) = bent_apart(parts) {
+        return Err(BsdfError::Domain {
+            field: "parts",
+            found,
+            allowed: "ideal parts of one component that take one direction".into(),
+        });
+    }
+    Ok(())
+}
+
+/// Two parts whose ideal directions differ, in words.
+fn bent_apart(parts: &[Box<dyn Bsdf>]) -> Option<String> {
+    let mut shares = vec![0.0; parts[0].channels().len()];
+    for theta in [30.0, 150.0] {
+        for component in [Component::Reflection, Component::Transmission] {
+            let mut known: Option<Direction> = None;
+            for part in parts {
+                let Some(d) = part.delta(Direction::from_degrees(theta, 0.0), component, &mut shares) else {
+                    continue;
+                };
+                let other = *known.get_or_insert(d);
+                if other.angle_to(d) > 1e-9 {
+                    return Some(format!(
+                        "{component} to {:.3} and {:.3} degrees from an incidence at {theta}",
+                        other.theta().to_degrees(),
+                        d.theta().to_degrees()
+                    ));
+                }
+            }
+        }
+    }
+    None
 }
 
 fn names(channels: &[Channel]) -> String {
@@ -140,6 +193,19 @@ impl Bsdf for Sum {
         }
     }
 
+    fn delta(&self, w: Direction, component: Component, shares: &mut [f64]) -> Option<Direction> {
+        shares.fill(0.0);
+        let mut term = vec![0.0; shares.len()];
+        let mut direction = None;
+        for part in &self.parts {
+            if let Some(d) = part.delta(w, component, &mut term) {
+                direction = Some(d);
+                shares.iter_mut().zip(&term).for_each(|(s, t)| *s += t);
+            }
+        }
+        direction
+    }
+
     fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
         (0..self.parts.len())
             .map(|k| self.probability(k) * self.parts[k].pdf(w, sampled))
@@ -158,11 +224,12 @@ impl Bsdf for Sum {
         if drawn.lobe == Lobe::Delta {
             return Some(Sample {
                 weight: drawn.weight / p,
+                pdf: drawn.pdf * p,
                 ..drawn
             });
         }
         let pdf = Bsdf::pdf(self, w, drawn.direction);
         let weight = self.eval_first(w, drawn.direction) * drawn.direction.cos_theta().abs() / pdf;
-        (pdf > 0.0 && weight > 0.0).then_some(Sample { weight, pdf, ..drawn })
+        (pdf > 0.0 && weight.is_finite()).then_some(Sample { weight, pdf, ..drawn })
     }
 }

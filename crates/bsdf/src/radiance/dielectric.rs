@@ -1,5 +1,7 @@
 //! `dielectric`: the boundary of a solid transparent body.
 
+use gonio_geom::{DVec3, Direction, Side};
+
 use super::argument::no_strings;
 use super::{Argument, Parameters, Rgb, check_reals, rgb};
 use crate::BsdfError;
@@ -22,6 +24,47 @@ impl Dielectric {
     /// The refractive index at [`Dielectric::MEAN_WAVELENGTH`].
     pub fn index(&self) -> f64 {
         self.refractive_index + self.hartmann / Self::MEAN_WAVELENGTH
+    }
+
+    /// Share of the unpolarised light from `w` that the boundary reflects, by Fresnel's law; 1 beyond the angle of
+    /// total reflection. The rest is refracted ([`Dielectric::refracted`]).
+    pub fn reflectance(&self, w: Direction) -> f64 {
+        let Some(s) = self.refracted(w) else {
+            return 1.0;
+        };
+        let (cos, inside, n) = (w.cos_theta().abs(), s.cos_theta().abs(), 1.0 / self.ratio(w));
+        let r = |a: f64, b: f64| ((a - b) / (a + b)).powi(2);
+        0.5 * (r(cos, n * inside) + r(inside, n * cos))
+    }
+
+    /// The direction in which light from `w` goes on behind the boundary, by Snell's law; `None` beyond the angle of
+    /// total reflection and on the horizon.
+    pub fn refracted(&self, w: Direction) -> Option<Direction> {
+        let (ratio, v) = (self.ratio(w), w.vec());
+        let z2 = 1.0 - ratio * ratio * (1.0 - v.z * v.z);
+        if v.z == 0.0 || z2 < 1e-6 {
+            return None;
+        }
+        Direction::new(DVec3::new(-ratio * v.x, -ratio * v.y, -v.z.signum() * z2.sqrt()))
+    }
+
+    /// Radiance on the side of `w` over the radiance behind the boundary that it comes from, losses apart: the squared
+    /// ratio of the indices. The shares of [`crate::Bsdf::delta`] are of the flux and leave it out.
+    pub fn radiance_ratio(&self, w: Direction) -> f64 {
+        self.ratio(w).powi(2)
+    }
+
+    /// What `length` of the body (in units of the scene, at least 0) leaves of the light, by Beer's law.
+    pub fn internal_transmittance(&self, length: f64) -> Rgb {
+        self.transmissivity.map(|t| t.powf(length))
+    }
+
+    /// Index on the side of `w` over that behind the boundary.
+    fn ratio(&self, w: Direction) -> f64 {
+        match w.side() {
+            Side::Front => 1.0 / self.index(),
+            Side::Back => self.index(),
+        }
     }
 }
 

@@ -22,6 +22,39 @@ impl Glass {
     pub fn index(&self) -> f64 {
         self.refractive_index.unwrap_or(Self::DEFAULT_INDEX)
     }
+
+    /// Transmittance of the pane, all passages between its faces summed, at an angle of cosine `cos` in `(0, 1]` on
+    /// either side: per polarisation `(1 - r)^2 t / (1 - r^2 t^2)` with `r` of one face by Fresnel's law and
+    /// `t = transmissivity^(1 / cos')`, `cos'` inside the pane [Radiance, rt/glass.c]. The light goes on unbent.
+    pub fn transmittance(&self, cos: f64) -> Rgb {
+        let (faces, inside) = self.faces(cos);
+        self.transmissivity.map(|tn| {
+            let t = tn.powf(1.0 / inside);
+            mean(faces.map(|r| (1.0 - r).powi(2) * t / (1.0 - r * r * t * t)))
+        })
+    }
+
+    /// Reflectance of the pane at an angle of cosine `cos` in `(0, 1]` on either side: per polarisation
+    /// `r (1 + (1 - 2r) t^2) / (1 - r^2 t^2)`, symbols as in [`Glass::transmittance`].
+    pub fn reflectance(&self, cos: f64) -> Rgb {
+        let (faces, inside) = self.faces(cos);
+        self.transmissivity.map(|tn| {
+            let t2 = tn.powf(2.0 / inside);
+            mean(faces.map(|r| r * (1.0 + (1.0 - 2.0 * r) * t2) / (1.0 - r * r * t2)))
+        })
+    }
+
+    /// Reflectance of one face in both polarisations and the cosine inside.
+    fn faces(&self, cos: f64) -> ([f64; 2], f64) {
+        let n = self.index();
+        let inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
+        let r = |a: f64, b: f64| ((a - b) / (a + b)).powi(2);
+        ([r(cos, n * inside), r(inside, n * cos)], inside)
+    }
+}
+
+fn mean([a, b]: [f64; 2]) -> f64 {
+    0.5 * (a + b)
 }
 
 impl Parameters for Glass {
