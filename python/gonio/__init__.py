@@ -10,6 +10,7 @@ from gonio._native import (
     GonioError,
     HemisphericalIntegral,
     QuantityError,
+    RadianceMaterial,
     Scan,
     Slice,
     Verdict,
@@ -23,6 +24,7 @@ from gonio.exporting import Export, export, read_radiance
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
 from gonio.processing import process
+from gonio.radiance_materials import read_materials, write_materials
 from gonio.readings import Readings, read
 from gonio.reporting import report
 from gonio.simulating import simulate
@@ -43,6 +45,7 @@ __all__ = [
     "HemisphericalIntegral",
     "Measurement",
     "QuantityError",
+    "RadianceMaterial",
     "Readings",
     "Roughness",
     "Scan",
@@ -59,9 +62,11 @@ __all__ = [
     "inspect",
     "process",
     "read",
+    "read_materials",
     "read_radiance",
     "report",
     "roughness",
     "simulate",
     "specularity",
+    "write_materials",
 ]

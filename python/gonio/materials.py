@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gonio import _native
 from gonio._native import Bsdf, DomainError
+from gonio.radiance_materials import material_of_text
 
 Component = Literal["reflection", "transmission"]
 
@@ -158,3 +159,29 @@ def material(name: str) -> Material:
     if make is None:
         raise DomainError(f"material: found {name!r}, allowed {', '.join(MATERIALS)}")
     return make()
+
+
+def radiance(text: str, *, release: str = "6.1", ignore_modifier: bool = False) -> Bsdf:
+    """Make the model of a Radiance material, such as `"void plastic paint 0 0 5 .5 .5 .5 .02 .1"`.
+
+    Its channels are red, green and blue. It is what Radiance evaluates in its direct calculation
+    (docs/models/radiance.md).
+
+    Parameters
+    ----------
+    text
+        Text of a Radiance scene with one material.
+    release
+        6.0 or 6.1: whose constant the approximation of Fresnel's law takes that smooth plastic, metal and
+        trans have.
+    ignore_modifier
+        Leave out the pattern or texture that modifies the material.
+
+    Raises
+    ------
+    FormatError
+        The text does not follow the format or a parameter is out of range.
+    DomainError
+        Not one material, a modifier, an orientation that is not made of numbers, or no such release.
+    """
+    return material_of_text(text, release=release, ignore_modifier=ignore_modifier)

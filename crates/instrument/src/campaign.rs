@@ -63,12 +63,23 @@ impl Default for Campaign {
 /// Measures `model`: dark, beam scans, dark, then each incidence followed by a dark record, every channel of the
 /// model read at once. Records of one time come channel by channel. Beam scans are rasters fine enough for their sum
 /// to be exact within 1e-4 but for noise: pitch .15 of the narrower of beam and aperture.
+///
+/// # Errors
+/// [`InstrumentError::Domain`] for a setting out of range and a model with an ideal part ([`Bsdf::delta`]), which the
+/// detector would not see.
 pub fn simulate(
     model: &dyn Bsdf,
     instrument: &Instrument,
     campaign: &Campaign,
 ) -> Result<Vec<Scan>, InstrumentError> {
     check(instrument, campaign)?;
+    if model.has_delta() {
+        return Err(InstrumentError::Domain {
+            field: "model",
+            found: "an ideal part (mirror, unbent or refracted transmission)".into(),
+            allowed: "lobes of finite width".into(),
+        });
+    }
     let mut session = Session {
         detector: instrument.detector,
         channels: model.channels().to_vec(),

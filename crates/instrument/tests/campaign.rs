@@ -214,3 +214,17 @@ fn impossible_campaigns_are_refused_by_name() {
         .to_string();
     assert!(error.starts_with("distance: found -1 m"), "{error}");
 }
+
+#[test]
+fn a_model_with_an_ideal_part_is_refused() {
+    use gonio_bsdf::RadianceMaterial;
+    use gonio_bsdf::radiance::Plastic;
+    let smooth = RadianceMaterial::from(Plastic::new([0.5; 3], 0.05, 0.0).unwrap());
+    let e = simulate(
+        smooth.bsdf().unwrap().as_ref(),
+        &Instrument::default(),
+        &Campaign::default(),
+    )
+    .unwrap_err();
+    assert!(e.to_string().starts_with("model: found an ideal part"), "{e}");
+}

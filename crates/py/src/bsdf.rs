@@ -156,10 +156,49 @@ impl Bsdf {
         pairs.map(py, |wi, ws| self.0.pdf(wi, ws))
     }
 
+    /// The ideal part of the model, which `eval` and `pdf` leave out: where light from the incidence goes without
+    /// spreading (mirrored, straight through, refracted), and the share of its flux that does.
+    ///
+    /// The angles broadcast. Returns a dict of arrays: theta_s, phi_s (degrees, NaN where there is no such part) and
+    /// share of the channel.
+    #[pyo3(signature = (*, theta_i, phi_i, component, channel=None))]
+    fn delta<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: &Bound<'py, PyAny>,
+        phi_i: &Bound<'py, PyAny>,
+        component: &str,
+        channel: Option<&str>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let index = self.channel_index(channel)?;
+        let component = crate::radiance::component_of(component)?;
+        let pairs = Pairs::broadcast(py, [theta_i, phi_i, theta_i, phi_i])?;
+        let columns = py.detach(|| {
+            let mut shares = vec![0.0; self.0.channels().len()];
+            let mut columns: [Vec<f64>; 3] = Default::default();
+            for &w in &pairs.wi {
+                let (theta, phi) = match self.0.delta(w, component, &mut shares) {
+                    Some(d) => d.angles().to_degrees(),
+                    None => (f64::NAN, f64::NAN),
+                };
+                for (c, v) in columns.iter_mut().zip([theta, phi, shares[index]]) {
+                    c.push(v);
+                }
+            }
+            columns
+        });
+        let dict = PyDict::new(py);
+        for (name, values) in ["theta_s", "phi_s", "share"].into_iter().zip(columns) {
+            dict.set_item(name, PyArray1::from_vec(py, values).reshape(pairs.shape.clone())?)?;
+        }
+        Ok(dict)
+    }
+
     /// Directions sampled for one incidence from uniform numbers `u` of shape (n, 3) in [0, 1).
     ///
     /// Returns a dict of arrays of length n: theta_s, phi_s (degrees), weight = f |cos| / pdf of the first channel,
-    /// pdf (1/sr). A failed sample has weight 0 and NaN angles.
+    /// pdf (1/sr), ideal. A failed sample has weight 0 and NaN angles; where ideal is true the direction has no spread,
+    /// and pdf is the probability of drawing it.
     #[pyo3(signature = (*, theta_i, phi_i, u))]
     fn sample<'py>(
         &self,
@@ -177,13 +216,16 @@ impl Bsdf {
         if let Some(bad) = flat.iter().find(|v| !(0.0..1.0).contains(*v)) {
             return Err(domain("u", bad, "numbers in [0, 1)"));
         }
-        let columns = py.detach(|| {
+        let (columns, ideal) = py.detach(|| {
+            let mut ideal = Vec::with_capacity(flat.len() / 3);
             let mut columns: [Vec<f64>; 4] = Default::default();
             for c in &mut columns {
                 c.reserve(flat.len() / 3);
             }
             for u in flat.chunks_exact(3) {
-                let row = match self.0.sample(wi, [u[0], u[1], u[2]]) {
+                let drawn = self.0.sample(wi, [u[0], u[1], u[2]]);
+                ideal.push(drawn.is_some_and(|s| s.lobe == core::Lobe::Delta));
+                let row = match drawn {
                     Some(s) => {
                         let (theta, phi) = s.direction.angles().to_degrees();
                         [theta, phi, s.weight, s.pdf]
@@ -194,9 +236,10 @@ impl Bsdf {
                     c.push(v);
                 }
             }
-            columns
+            (columns, ideal)
         });
         let dict = PyDict::new(py);
+        dict.set_item("ideal", PyArray1::from_vec(py, ideal))?;
         for (name, values) in ["theta_s", "phi_s", "weight", "pdf"].into_iter().zip(columns) {
             dict.set_item(name, PyArray1::from_vec(py, values))?;
         }

@@ -9,6 +9,7 @@ mod files;
 mod model;
 mod processing;
 mod radiance;
+mod radiance_material;
 mod scan;
 mod simulate;
 mod slice;
@@ -30,6 +31,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     processing::register(m)?;
     checking::register(m)?;
     radiance::register(m)?;
+    radiance_material::register(m)?;
     scan::register(m)?;
     slice::register(m)?;
     verdict::register(m)?;

@@ -41,7 +41,7 @@ fn side_of(name: &str) -> PyResult<Side> {
     }
 }
 
-fn component_of(name: &str) -> PyResult<Component> {
+pub(crate) fn component_of(name: &str) -> PyResult<Component> {
     match name {
         "reflection" => Ok(Component::Reflection),
         "transmission" => Ok(Component::Transmission),

@@ -1,5 +1,7 @@
 //! Real arguments of a material as data: names, ranges, meaning.
 
+use std::ops::RangeInclusive;
+
 use crate::BsdfError;
 
 /// A real argument of a material type.
@@ -13,6 +15,8 @@ pub struct Argument {
     pub high: f64,
     /// What it is.
     pub what: &'static str,
+    /// Whether it may be left out; such arguments come last.
+    pub optional: bool,
 }
 
 impl Argument {
@@ -23,6 +27,7 @@ impl Argument {
             low: 0.0,
             high: 1.0,
             what,
+            optional: false,
         }
     }
 
@@ -63,14 +68,20 @@ const fn width(name: &'static str, what: &'static str) -> Argument {
         low: 1e-3,
         high: 1.0,
         what,
+        optional: false,
     }
 }
 
+/// How many reals a list may have.
+pub(super) fn counts(arguments: &[Argument]) -> RangeInclusive<usize> {
+    let needed = arguments.iter().filter(|a| !a.optional).count();
+    needed..=arguments.len()
+}
+
 /// The error for a list of reals of the wrong length.
-pub(super) fn wrong_count(arguments: &[Argument], optional: usize, found: usize) -> BsdfError {
+pub(super) fn wrong_count(arguments: &[Argument], found: usize) -> BsdfError {
     let names: Vec<&str> = arguments.iter().map(|a| a.name).collect();
-    let full = names.len();
-    let counts: Vec<String> = (full - optional..=full).map(|n| n.to_string()).collect();
+    let counts: Vec<String> = counts(arguments).map(|n| n.to_string()).collect();
     BsdfError::Domain {
         field: "real arguments",
         found: found.to_string(),

@@ -25,6 +25,7 @@ const fn power(name: &'static str, what: &'static str) -> Argument {
         low: 0.0,
         high: 1e7,
         what,
+        optional: false,
     }
 }
 

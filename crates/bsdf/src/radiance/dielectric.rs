@@ -79,12 +79,14 @@ impl Parameters for Dielectric {
             low: 0.1,
             high: 10.0,
             what: "refractive index of the body in air",
+            optional: false,
         },
         Argument {
             name: "hc",
             low: -1000.0,
             high: 1000.0,
             what: "Hartmann's constant in nm, 0 without dispersion",
+            optional: false,
         },
     ];
 

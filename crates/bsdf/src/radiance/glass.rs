@@ -68,9 +68,9 @@ impl Parameters for Glass {
             low: 1.0,
             high: 10.0,
             what: "refractive index, 1.52 when left out",
+            optional: true,
         },
     ];
-    const OPTIONAL: usize = 1;
 
     fn from_arguments(strings: &[String], reals: &[f64]) -> Result<Self, BsdfError> {
         no_strings(strings)?;

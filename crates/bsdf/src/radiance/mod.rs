@@ -45,8 +45,6 @@ pub trait Parameters: Sized {
     const TYPE: &'static str;
     /// The real arguments in order.
     const ARGUMENTS: &'static [Argument];
-    /// How many real arguments may be left out at the end.
-    const OPTIONAL: usize = 0;
 
     /// The material of these arguments, in order.
     ///
@@ -81,9 +79,8 @@ pub trait Parameters: Sized {
 }
 
 fn check_reals<P: Parameters>(reals: &[f64]) -> Result<(), BsdfError> {
-    let n = P::ARGUMENTS.len();
-    if !(n - P::OPTIONAL..=n).contains(&reals.len()) {
-        return Err(argument::wrong_count(P::ARGUMENTS, P::OPTIONAL, reals.len()));
+    if !argument::counts(P::ARGUMENTS).contains(&reals.len()) {
+        return Err(argument::wrong_count(P::ARGUMENTS, reals.len()));
     }
     P::ARGUMENTS.iter().zip(reals).try_for_each(|(a, &v)| a.check(v))
 }

@@ -70,8 +70,8 @@ pub struct KlemsReduction {
 /// about the mirror, unbent and retro directions. For isotropic models one incident patch stands for its ring.
 ///
 /// # Errors
-/// [`BsdfError::Domain`] for a channel the model does not have, no component that scatters, or a tolerance or
-/// number of points out of range.
+/// [`BsdfError::Domain`] for a channel the model does not have, an ideal part ([`Bsdf::delta`]), no component that
+/// scatters, or a tolerance or number of points out of range.
 pub fn to_klems(model: &dyn Bsdf, options: &KlemsOptions) -> Result<KlemsReduction, BsdfError> {
     let one = OneChannel::new(model, options.channel)?;
     let positive = options.tolerance.is_finite() && options.tolerance > 0.0;

@@ -31,6 +31,13 @@ impl<'a> OneChannel<'a> {
                 allowed: format!("0 to {} ({n} channels)", n.saturating_sub(1)),
             });
         }
+        if model.has_delta() {
+            return Err(BsdfError::Domain {
+                field: "model",
+                found: "an ideal part (mirror, unbent or refracted transmission)".into(),
+                allowed: "lobes of finite width: a table has no directions narrower than its cells".into(),
+            });
+        }
         Ok(OneChannel { model, index })
     }
 

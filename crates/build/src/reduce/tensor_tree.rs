@@ -64,7 +64,7 @@ pub struct TreeReduction {
 ///
 /// # Errors
 /// [`BsdfError::Domain`] for a channel the model does not have, no component that scatters, rank 3 for a model that is
-/// not isotropic, or a depth, target or number of cells out of range.
+/// not isotropic, an ideal part ([`Bsdf::delta`]), or a depth, target or number of cells out of range.
 pub fn to_tensor_tree(model: &dyn Bsdf, options: &TreeOptions) -> Result<TreeReduction, BsdfError> {
     let one = OneChannel::new(model, options.channel)?;
     let rank = check(model, options)?;

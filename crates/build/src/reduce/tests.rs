@@ -357,3 +357,16 @@ fn requests_that_make_no_sense_are_refused() {
     };
     assert!(to_tensor_tree(&iso, &nothing).is_err());
 }
+
+#[test]
+fn an_ideal_part_is_refused_not_lost() {
+    use gonio_bsdf::RadianceMaterial;
+    use gonio_bsdf::radiance::Plastic;
+    let smooth = RadianceMaterial::from(Plastic::new([0.5; 3], 0.05, 0.0).unwrap());
+    let model = smooth.bsdf().unwrap();
+    let klems = to_klems(model.as_ref(), &KlemsOptions::default()).unwrap_err();
+    let tree = to_tensor_tree(model.as_ref(), &TreeOptions::default()).unwrap_err();
+    for e in [klems, tree] {
+        assert!(e.to_string().starts_with("model: found an ideal part"), "{e}");
+    }
+}
