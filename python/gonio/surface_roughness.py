@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _STILL_GROWING = 1.2
 _KURTOSIS = 0.5
+_STEPS_A_CUTOFF = 4.0
 _LENGTHS_A_BLOCK = 10.0
 _LENGTH_DIFFERENCE = 0.2
 _ANISOTROPY = 0.05
@@ -138,7 +139,8 @@ def roughness(
         As in `read_surface`. Heights in an array need all three.
     lambda_s, lambda_c
         Cutoff wavelengths in micrometres: what is shorter than `lambda_s` and longer than `lambda_c` is
-        removed.
+        removed. Four steps (where the sampled weighting function is still that of the standard) to half the
+        surface.
     level
         Remove the line or plane; otherwise only the mean.
     blocks
@@ -193,12 +195,12 @@ def _steps(surface: Surface) -> tuple[float, ...]:
 
 def _check_cutoffs(surface: Surface, lambda_s: float | None, lambda_c: float | None) -> None:
     steps = _steps(surface)
-    shortest = 2.0 * max(steps)
+    shortest = _STEPS_A_CUTOFF * max(steps)
     longest = min(n * step for n, step in zip(surface.z.shape, steps, strict=True)) / 2.0
     for name, value in (("lambda_s", lambda_s), ("lambda_c", lambda_c)):
         if value is not None and not shortest <= value <= longest:
             raise DomainError(
-                f"{name}: found {value:g}, allowed {shortest:g} to {longest:g} um for this surface (two "
+                f"{name}: found {value:g}, allowed {shortest:g} to {longest:g} um for this surface (four "
                 "steps to half of it)"
             )
     if lambda_s is not None and lambda_c is not None and lambda_s >= lambda_c:

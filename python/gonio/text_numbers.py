@@ -17,6 +17,7 @@ from gonio._native import FormatError
 _COMMENTS = ("#", "%", "!", "//", "{")
 _HEADER_LINES = 200
 _CLIP = 40
+_LONGEST_LINE = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +86,11 @@ def _text(file: str, data: bytes) -> str:
 def _first_row(file: str, lines: list[str]) -> tuple[int, list[str]]:
     """Index of the first row of numbers and the lines before it that are not empty."""
     head: list[str] = []
+    for k, line in enumerate(lines):
+        if len(line) > _LONGEST_LINE:
+            raise FormatError(
+                f"{file}, line {k + 1}: found {len(line)} characters, allowed {_LONGEST_LINE} in a line"
+            )
     for k, line in enumerate(lines[:_HEADER_LINES]):
         text = line.strip()
         if not text:

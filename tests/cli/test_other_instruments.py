@@ -44,10 +44,10 @@ def test_specularity_as_json_carries_the_budget(run):
 
 
 def test_roughness_of_a_file_prints_alpha_and_the_band(run, profile):
-    done = run("roughness", profile, "--lambda-s", 1.5, "--lambda-c", 100)
+    done = run("roughness", profile, "--lambda-s", 2.5, "--lambda-c", 100)
     assert done.code == 0, done
     assert "R_dq" in done.out
-    assert "1.5 to 100 um" in done.out
+    assert "2.5 to 100 um" in done.out
 
 
 def test_roughness_as_json_carries_every_field(run, profile):

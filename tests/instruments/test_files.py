@@ -139,6 +139,7 @@ def test_names_of_columns_are_read_with_and_without_a_comment_mark():
         ("1,2\n3,bright\n", ("line 2", "bright", "a number")),
         ("1,2\n\n# note\n3,4,5\n", ("line 4", "3 columns", "allowed 2")),
         ("1,2\n3,\n", ("line 2", "1 columns")),
+        ("1" * 20_000_000 + "\n", ("line 1", "20000000 characters")),
     ],
 )
 def test_a_broken_table_is_named_with_its_line(text, names):
