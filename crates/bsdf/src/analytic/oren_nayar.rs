@@ -36,12 +36,12 @@ static INFO: ModelInfo = ModelInfo {
     ],
     breaks: &[Exemption {
         law: Law::Energy,
-        amount: "albedo 1.012 rho at 89 degrees for sigma = .15; 1.013 rho at most, at grazing incidence, below rho for sigma above .33",
+        amount: "albedo 1.013 rho at 89 degrees for sigma = .15; 1.015 rho at most, at grazing incidence for sigma = .2; below rho everywhere for sigma above .33",
         witness: Witness {
             parameters: &[1.0, 0.15],
             theta_i: 89.0,
             theta_s: 0.0,
-            measured: 1.012,
+            measured: 1.013,
         },
     }],
 };

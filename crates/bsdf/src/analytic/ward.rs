@@ -75,8 +75,7 @@ const fn excess(amount: &'static str, parameters: &'static [f64], theta_i: f64, 
     }
 }
 
-const WARD_EXCESS: &str =
-    "albedo 1.037 rho at 89.9 degrees for alpha = .3, 1.48 rho at most for alpha up to .6";
+const WARD_EXCESS: &str = "albedo 1.037 rho at 89.9 degrees for alpha = .3, 1.54 rho for alpha = .55";
 const DUER_EXCESS: &str = "albedo 1.25 rho at 85 degrees, 4.30 rho at 89 and 39 rho at 89.9 for alpha = .3; above rho from 82 degrees on";
 
 static WARD: ModelInfo = info(

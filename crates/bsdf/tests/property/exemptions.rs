@@ -1,5 +1,7 @@
 //! A law is broken only where a model says so, and as far as it says.
 
+use std::path::Path;
+
 use gonio_bsdf::Channel;
 use gonio_bsdf::analytic::Law;
 use gonio_geom::Direction;
@@ -63,6 +65,32 @@ fn no_model_is_exempt_from_a_law_twice() {
         for law in [Law::Energy, Law::Reciprocity] {
             let times = f.info().breaks.iter().filter(|b| b.law == law).count();
             assert!(times <= 1, "{} breaks {law:?} {times} times", f.info().name);
+        }
+    }
+}
+
+/// The pages of docs/models, one text.
+fn pages() -> String {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/models");
+    std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| std::fs::read_to_string(entry.unwrap().path()).unwrap())
+        .collect()
+}
+
+#[test]
+fn every_model_has_its_page_and_the_page_says_how_far_a_law_is_broken() {
+    let text = pages();
+    for f in chosen() {
+        let info = f.info();
+        assert!(
+            text.contains(&format!("`{}`", info.name)),
+            "no page in docs/models names {}",
+            info.name
+        );
+        for exemption in info.breaks {
+            let stated = exemption.witness.measured.to_string();
+            assert!(text.contains(&stated), "no page names {stated} of {}", info.name);
         }
     }
 }
