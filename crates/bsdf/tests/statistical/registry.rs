@@ -1,0 +1,218 @@
+//! Every registered model, over its parameters and incidences.
+
+use std::sync::{Arc, LazyLock};
+
+use gonio_bsdf::analytic::{Sum, families, family};
+use gonio_bsdf::{Bsdf, Channel};
+use rayon::prelude::*;
+
+use crate::chi_square::sidak;
+use crate::common::{BACK, FRONT, build, incidence, settings};
+use crate::trial::{Trial, run};
+
+/// Rate at which all comparisons of a kind together raise a false alarm, were the seeds drawn anew.
+const FALSE_ALARM: f64 = 1e-3;
+/// Samples a case in the tests that always run.
+const SAMPLES: u64 = 500_000;
+
+/// A model under test with all its settings.
+struct Subject {
+    name: &'static str,
+    settings: Vec<(String, Arc<dyn Bsdf>)>,
+}
+
+struct Case {
+    name: &'static str,
+    setting: String,
+    model: Arc<dyn Bsdf>,
+    theta: f64,
+}
+
+impl Case {
+    fn of(subject: &Subject, setting: usize, theta: f64) -> Self {
+        let (label, model) = &subject.settings[setting];
+        Case {
+            name: subject.name,
+            setting: label.clone(),
+            model: model.clone(),
+            theta,
+        }
+    }
+
+    fn label(&self) -> String {
+        format!("{} with {} at {} degrees", self.name, self.setting, self.theta)
+    }
+
+    fn trial(&self, samples: u64) -> Trial {
+        let (model, label) = (self.model.as_ref(), self.label());
+        run(
+            model,
+            |w, u| model.sample(w, u),
+            incidence(self.theta),
+            &label,
+            samples,
+        )
+    }
+}
+
+/// The registered models and a sum of four of them.
+fn subjects() -> Vec<Subject> {
+    let registered = families().iter().map(|family| Subject {
+        name: family.info().name,
+        settings: settings(family.info())
+            .iter()
+            .map(|s| (s.label.clone(), Arc::from(build(*family, s))))
+            .collect(),
+    });
+    let part = |name: &str, values: &[f64]| {
+        let parameters = [(Channel::Photopic, values.to_vec())];
+        family(name).unwrap().model(&parameters).unwrap()
+    };
+    let sum = Sum::new(vec![
+        part("lambert", &[0.2]),
+        part("ward-gmd", &[0.05, 0.2]),
+        part("lambert-transmission", &[0.1]),
+        part("bounded-transmission-lobe", &[0.5, 0.15]),
+    ]);
+    let sum = Subject {
+        name: "sum",
+        settings: vec![("four parts".into(), Arc::new(sum.unwrap()))],
+    };
+    let only = std::env::var("GONIO_MODELS").ok();
+    registered
+        .chain([sum])
+        .filter(|s| {
+            only.as_ref()
+                .is_none_or(|names| names.split(',').any(|n| n == s.name))
+        })
+        .collect()
+}
+
+fn thetas() -> impl Iterator<Item = f64> {
+    FRONT.into_iter().chain(BACK)
+}
+
+/// Every setting at every incidence.
+fn all_cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for subject in subjects() {
+        for theta in thetas() {
+            cases.extend((0..subject.settings.len()).map(|k| Case::of(&subject, k, theta)));
+        }
+    }
+    cases
+}
+
+/// Every incidence with one setting each, in turn.
+fn some_cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for subject in subjects() {
+        let n = subject.settings.len();
+        cases.extend(
+            thetas()
+                .enumerate()
+                .map(|(k, theta)| Case::of(&subject, (5 * k + 1) % n, theta)),
+        );
+    }
+    cases
+}
+
+static TRIALS: LazyLock<Vec<(String, Trial)>> = LazyLock::new(|| {
+    some_cases()
+        .par_iter()
+        .map(|case| (case.label(), case.trial(SAMPLES)))
+        .collect()
+});
+
+fn improbable(p: impl Fn(&Trial) -> f64, say: impl Fn(&Trial) -> String) -> Vec<String> {
+    let least = sidak(FALSE_ALARM, TRIALS.len());
+    TRIALS
+        .iter()
+        .filter(|(_, t)| p(t).is_nan() || p(t) < least)
+        .map(|(label, t)| format!("{label}: p = {:.1e}, {}", p(t), say(t)))
+        .collect()
+}
+
+#[test]
+fn samples_follow_the_density_by_chi_square() {
+    let failed = improbable(
+        |t| t.chi_square.p,
+        |t| {
+            format!(
+                "{:?}, mass {} +- {:.0e}, {} samples",
+                t.chi_square, t.mass, t.mass_error, t.samples
+            )
+        },
+    );
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[test]
+fn the_density_integrates_to_the_share_of_samples_that_succeed() {
+    let failed = improbable(
+        |t| t.p_accepted,
+        |t| format!("mass {} +- {:.0e}", t.mass, t.mass_error),
+    );
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+    for (label, t) in TRIALS.iter() {
+        assert!(
+            t.mass < 1.0 + 1e-6,
+            "{label}: the density integrates to {}",
+            t.mass
+        );
+    }
+}
+
+#[test]
+fn the_mean_weight_is_the_albedo_by_t_test() {
+    let failed = improbable(
+        |t| t.p_mean,
+        |t| format!("mean {} +- {:.1e}, albedo {}", t.mean, t.standard_error, t.albedo),
+    );
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+/// The whole grid at ten million samples a case: half an hour of both cores, so only when asked for. Writes one line
+/// a case to the file that `GONIO_SAMPLERS` names; `GONIO_SAMPLES` changes the number of samples.
+#[test]
+#[ignore = "half an hour; `make validate` runs it"]
+fn the_whole_grid_at_ten_million_samples() {
+    let samples = std::env::var("GONIO_SAMPLES").map_or(10_000_000, |n| n.parse().unwrap());
+    let cases = all_cases();
+    let least = sidak(FALSE_ALARM, cases.len());
+    let rows: Vec<(bool, String)> = cases
+        .par_iter()
+        .map(|case| {
+            let t = case.trial(samples);
+            let good = [t.chi_square.p, t.p_accepted, t.p_mean]
+                .iter()
+                .all(|p| *p >= least);
+            let row = format!(
+                "{}\t{}\t{}\t{}\t{:e}\t{}\t{:e}\t{:e}\t{}\t{}\t{:e}\t{:e}",
+                case.name,
+                case.setting,
+                case.theta,
+                t.chi_square.degrees,
+                t.chi_square.p,
+                t.mass,
+                t.mass_error,
+                t.p_accepted,
+                t.albedo,
+                t.mean,
+                t.standard_error,
+                t.p_mean,
+            );
+            (good && t.mass < 1.0 + 1e-6, row)
+        })
+        .collect();
+    if let Ok(path) = std::env::var("GONIO_SAMPLERS") {
+        let lines: Vec<&str> = rows.iter().map(|(_, row)| row.as_str()).collect();
+        std::fs::write(path, lines.join("\n") + "\n").unwrap();
+    }
+    let failed: Vec<&str> = rows
+        .iter()
+        .filter(|(good, _)| !good)
+        .map(|(_, r)| r.as_str())
+        .collect();
+    assert!(failed.is_empty(), "below p = {least:.1e}:\n{}", failed.join("\n"));
+}
