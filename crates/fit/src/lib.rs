@@ -1,4 +1,43 @@
 //! Analytic models from measurements: parameters, their uncertainties, and which model the data support.
 
+mod canonical;
+mod cells;
+mod chart;
+mod covariance;
+mod data;
+pub mod error;
+mod estimate;
+mod fitting;
+mod limits;
+pub mod metric;
+pub mod model;
+pub mod noise_law;
 pub mod normal;
+mod objective;
+mod options;
+pub mod product;
+pub mod profile;
+pub mod recipes;
+mod refine;
+mod report;
+pub mod result;
+pub mod select;
+pub mod selection;
 pub mod solver;
+mod start;
+mod warnings;
+
+pub use data::Weights;
+pub use error::FitError;
+pub use estimate::{Estimate, Interval, Kind};
+pub use fitting::fit;
+pub use metric::{Loss, Metric};
+pub use model::{FitModel, Parameter, Part};
+pub use noise_law::NoiseLaw;
+pub use options::FitOptions;
+pub use product::{Factor, Product};
+pub use profile::Profile;
+pub use recipes::{fit_model, fit_models};
+pub use result::Fit;
+pub use select::{Choice, HeldOut, Ranked, candidates, leave_one_incidence_out, select};
+pub use selection::{Exclusion, Reason, Selection};

@@ -1,0 +1,421 @@
+//! The fit from readings to parameters.
+
+use gonio_bsdf::analytic::Role;
+use gonio_geom::Component;
+use gonio_scan::Measurement;
+use nalgebra::DMatrix;
+
+use crate::canonical::canonical;
+use crate::chart::Chart;
+use crate::covariance::{Covariance, covariance};
+use crate::data::FitData;
+use crate::limits::{Z95, mistrusted, profile_interval, resolution};
+use crate::noise_law::quantile;
+use crate::refine::{Goal, refine, settle};
+use crate::result::{Fit, OtherMetric};
+use crate::selection::phrase;
+use crate::solver::{Solution, SolverOptions, Stop};
+use crate::start::{search, starts};
+use crate::{Estimate, FitError, FitModel, FitOptions, Interval, Kind, report, warnings};
+
+/// Highest reading in standard deviations of the noise floor, and share of readings above three of them, from which a
+/// channel carries a signal.
+const SIGNAL: f64 = 6.0;
+const SIGNAL_SHARE: f64 = 0.005;
+/// A lobe's half width in beam radii that a search does not go below: rules of quadrature resolve no less.
+const LEAST_WIDTH: f64 = 1.0 / 6.0;
+
+/// Fits `model` to `measurement`: jointly over all incidences and channels, in the DSF.
+///
+/// The search runs over the logarithm of widths from many starting points on a part of the readings, then to the minimum over
+/// all of them. Standard deviations of chi-square come from each slice's noise law at the predicted DSF. The beam profile of
+/// the measurement is folded into the model where it changes a prediction. Readings that are unusable, or beyond
+/// `max_theta_s`, are left out and counted. NaN readings do no harm.
+///
+/// # Errors
+/// [`FitError`]: an unknown channel or option, too few readings, readings of another component than the model's, no
+/// signal, or a search that finds no minimum. Anything short of that is a [`crate::result::Warning`].
+pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>) -> Result<Fit, FitError> {
+    let mut data = FitData::new(measurement, &options.selection, |c| model.scatters_into(c))?;
+    if !options.signature {
+        data.profiles.iter_mut().for_each(|p| *p = None);
+    }
+    let setting = Setting::new(model, &data, options)?;
+    check(&data, model, &setting)?;
+    let start = setting.start(&data, None)?;
+    let solution = refine(
+        &setting.chart,
+        &mut data,
+        setting.goal,
+        &start,
+        setting.bounds(),
+        &setting.solver(options),
+    );
+    if solution.stop == Stop::Cancelled {
+        return Err(FitError::Cancelled);
+    }
+    if solution.stop == Stop::NotFinite || solution.x.iter().any(|v| !v.is_finite()) {
+        return Err(setting.not_converged(solution.evaluations));
+    }
+    let solution = canonical(&setting, &mut data, solution, options);
+    let objective = setting.goal.objective(&setting.chart, &data);
+    let spread = covariance(&objective, &solution.x, &solution.normal, &setting.held);
+    let predicted = objective.predict(&solution.x);
+    let mut estimates = estimates(&setting, &data, &solution, spread.as_ref(), options);
+    let other_metrics = other_metrics(&setting, &mut data, &solution, options)?;
+    for (k, e) in estimates.iter_mut().enumerate() {
+        e.u_model = other_metrics
+            .iter()
+            .map(|o| (o.values[k] - e.value).abs())
+            .fold(0.0, f64::max);
+    }
+    let (covariance, correlation) = in_parameters(&setting, &estimates, spread.as_ref());
+    let mut fit = Fit {
+        model: model.clone(),
+        metric: setting.goal.metric,
+        loss: setting.goal.loss,
+        weights: setting.goal.weights,
+        channels: data.channels.clone(),
+        covariance,
+        correlation,
+        other_metrics,
+        readings: data.len(),
+        excluded: data.excluded.clone(),
+        blocks: spread.as_ref().map_or(0, |s| s.cells),
+        cost: solution.normal.cost,
+        dispersion: spread.as_ref().and_then(|s| s.dispersion),
+        design_effect: spread.as_ref().map_or(1.0, |s| s.design_effect),
+        aicc: f64::NAN,
+        evaluations: solution.evaluations,
+        converged: solution.stop.converged(),
+        residuals: report::residuals(&data, &predicted),
+        predicted: report::by_slice(measurement, &data, &predicted),
+        warnings: Vec::new(),
+        estimates,
+    };
+    fit.aicc = report::aicc(&fit, &data);
+    fit.warnings = warnings::of(&fit, &data, &setting);
+    Ok(fit)
+}
+
+/// A model over the channels of some data, with bounds and what is held.
+pub(crate) struct Setting<'a> {
+    pub(crate) chart: Chart<'a>,
+    pub(crate) goal: Goal,
+    pub(crate) low: Vec<f64>,
+    pub(crate) high: Vec<f64>,
+    /// Variables that the user holds.
+    pub(crate) held: Vec<bool>,
+    pub(crate) defaults: Vec<f64>,
+    start_readings: usize,
+    cancel: Option<&'a std::sync::atomic::AtomicBool>,
+}
+
+impl<'a> Setting<'a> {
+    pub(crate) fn new(
+        model: &'a FitModel,
+        data: &FitData,
+        options: &FitOptions<'a>,
+    ) -> Result<Self, FitError> {
+        let chart = Chart::new(model, data.channels.len());
+        let (mut low, mut high) = chart.bounds();
+        let mut held = vec![false; chart.len()];
+        let mut defaults: Vec<f64> = chart
+            .variables
+            .iter()
+            .map(|v| v.of_value(model.parameters[v.parameter].default))
+            .collect();
+        for (name, value) in &options.fixed {
+            let known = model.position(name).ok_or_else(|| FitError::Model {
+                found: format!("fixed parameter {name:?}"),
+                allowed: names(model),
+            })?;
+            let p = &model.parameters[known];
+            if !(p.low..=p.high).contains(value) {
+                return Err(FitError::Model {
+                    found: format!("{name} fixed at {value}"),
+                    allowed: format!("{} to {}", p.low, p.high),
+                });
+            }
+            for (k, v) in chart
+                .variables
+                .iter()
+                .enumerate()
+                .filter(|(_, v)| v.parameter == known)
+            {
+                defaults[k] = v.of_value(*value);
+                (low[k], high[k]) = (defaults[k], defaults[k]);
+                held[k] = true;
+            }
+        }
+        for k in 0..chart.len() {
+            let variable = chart.variables[k];
+            if let (false, Some(width)) = (held[k], resolution(&chart, data, variable.parameter)) {
+                low[k] = low[k].max(variable.of_value(LEAST_WIDTH * width)).min(high[k]);
+            }
+        }
+        if options.start_readings < 50 {
+            return Err(FitError::Domain {
+                field: "start_readings",
+                found: options.start_readings.to_string(),
+                allowed: "at least 50",
+            });
+        }
+        Ok(Setting {
+            chart,
+            goal: Goal {
+                metric: options.metric,
+                loss: options.loss,
+                by_solid_angle: options.by_solid_angle,
+                weights: options.weights,
+            },
+            low,
+            high,
+            held,
+            defaults,
+            start_readings: options.start_readings,
+            cancel: options.cancel,
+        })
+    }
+
+    pub(crate) fn bounds(&self) -> (&[f64], &[f64]) {
+        (&self.low, &self.high)
+    }
+
+    pub(crate) fn solver(&self, options: &FitOptions<'a>) -> SolverOptions<'_> {
+        SolverOptions {
+            fixed: &self.held,
+            cancel: options.cancel,
+            ..SolverOptions::default()
+        }
+    }
+
+    pub(crate) fn not_converged(&self, evaluations: usize) -> FitError {
+        FitError::NotConverged {
+            model: self.chart.model.name.clone(),
+            found: "no finite cost".into(),
+            evaluations,
+        }
+    }
+
+    /// The best point on a part of the readings; from `known` alone when it is given.
+    pub(crate) fn start(&self, data: &FitData, known: Option<&[f64]>) -> Result<Vec<f64>, FitError> {
+        let mut part = data.thinned(self.start_readings);
+        let rough = SolverOptions {
+            fixed: &self.held,
+            cancel: self.cancel,
+            max_evaluations: 80,
+            step_tolerance: 1e-6,
+            ..SolverOptions::default()
+        };
+        let candidates = match known {
+            Some(x) => vec![x.to_vec()],
+            None => {
+                let points = starts(&self.chart, &self.low, &self.high, &self.held, &self.defaults);
+                search(&self.chart, &part, points, self.bounds(), &rough)
+                    .into_iter()
+                    .map(|s| s.x)
+                    .collect()
+            }
+        };
+        let best = candidates
+            .iter()
+            .map(|x| settle(&self.chart, &mut part, self.goal, x, self.bounds(), &rough))
+            .filter(|s| s.stop != Stop::NotFinite)
+            // The weights differ between candidates; so does their likelihood.
+            .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+        if self
+            .cancel
+            .is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed))
+        {
+            return Err(FitError::Cancelled);
+        }
+        best.map(|s| s.x).ok_or_else(|| self.not_converged(0))
+    }
+}
+
+fn names(model: &FitModel) -> String {
+    model
+        .parameters
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// What makes a fit impossible from the outset.
+fn check(data: &FitData, model: &FitModel, setting: &Setting<'_>) -> Result<(), FitError> {
+    let parameters = setting.held.iter().filter(|h| !**h).count();
+    if let (0, Some((component, found))) = (data.len(), data.other_component) {
+        let allowed = [Component::Reflection, Component::Transmission]
+            .into_iter()
+            .filter(|c| model.scatters_into(*c))
+            .map(|c| c.to_string())
+            .collect::<Vec<_>>()
+            .join(" and ");
+        return Err(FitError::WrongSide {
+            model: model.name.clone(),
+            allowed,
+            component: component.to_string(),
+            found,
+        });
+    }
+    if data.len() <= parameters {
+        return Err(FitError::TooFewReadings {
+            model: model.name.clone(),
+            found: data.len(),
+            needed: parameters + 1,
+            parameters,
+            excluded: phrase(&data.excluded),
+        });
+    }
+    for (c, channel) in data.channels.iter().enumerate() {
+        let slabs = || data.slabs.iter().filter(|s| s.channel == c);
+        let (mut above, mut n, mut best) = (0, 0, f64::NEG_INFINITY);
+        for slab in slabs() {
+            let floor = slab.law.constant.sqrt();
+            n += slab.y.len();
+            above += slab.y.iter().filter(|y| **y > 3.0 * floor).count();
+            best = slab.y.iter().fold(best, |b, y| b.max(y / floor));
+        }
+        let top = quantile(slabs().flat_map(|s| s.y.iter().copied()), 1.0);
+        if n == 0 || top <= 0.0 || (best < SIGNAL && (above as f64) <= SIGNAL_SHARE * n as f64) {
+            return Err(FitError::NoSignal {
+                channel: channel.to_string(),
+                found: if n == 0 {
+                    "no usable reading".into()
+                } else {
+                    format!("highest of {n} readings {top:.3e} 1/sr")
+                },
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The estimates of all variables with their intervals.
+fn estimates(
+    setting: &Setting<'_>,
+    data: &FitData,
+    solution: &Solution,
+    spread: Option<&Covariance>,
+    options: &FitOptions<'_>,
+) -> Vec<Estimate> {
+    let model = setting.chart.model;
+    (0..setting.chart.len())
+        .map(|k| {
+            let variable = setting.chart.variables[k];
+            let parameter = &model.parameters[variable.parameter];
+            let (x, value) = (solution.x[k], variable.value(solution.x[k]));
+            let slope = variable.slope(value);
+            let known = spread.filter(|s| s.free[k]);
+            let u_x = known.map_or(0.0, |s| s.matrix[(k, k)].max(0.0).sqrt());
+            let common = known.map_or(0.0, |s| s.common[k].abs());
+            let kind = if setting.held[k] {
+                Kind::Fixed
+            } else if known.is_none() {
+                Kind::Undetermined
+            } else {
+                Kind::Value
+            };
+            let mut estimate = Estimate {
+                name: parameter.name.clone(),
+                unit: parameter.unit.clone(),
+                role: parameter.role,
+                channel: variable.channel.map(|c| data.channels[c]),
+                value,
+                u: u_x * slope,
+                u_common: common * slope,
+                u_model: 0.0,
+                low: variable.value((x - Z95 * u_x).max(setting.low[k])),
+                high: variable.value((x + Z95 * u_x).min(setting.high[k])),
+                kind,
+                interval: Interval::Quadratic,
+            };
+            if let Some(s) = known {
+                let doubtful = mistrusted(variable.log, x, u_x, setting.low[k], setting.high[k]);
+                let own = (u_x * u_x - common * common).max(0.0);
+                if options.profile && doubtful && own > 0.0 && s.bread[(k, k)] > 0.0 {
+                    let ratio = own / s.bread[(k, k)];
+                    let (low, high) = profile_interval(
+                        &setting.goal.objective(&setting.chart, data),
+                        solution,
+                        k,
+                        (own.sqrt(), ratio),
+                        setting.bounds(),
+                        &setting.solver(options),
+                    );
+                    let widen = |end: f64| x + (end - x).signum() * (end - x).hypot(Z95 * common);
+                    estimate.low = variable.value(widen(low).max(setting.low[k]));
+                    estimate.high = variable.value(widen(high).min(setting.high[k]));
+                    estimate.interval = Interval::Profile;
+                }
+                let limit = resolution(&setting.chart, data, variable.parameter);
+                if let Some(limit) = limit.filter(|l| value < *l && parameter.role == Role::Width) {
+                    estimate.kind = Kind::UpperLimit;
+                    estimate.high = estimate.high.max(limit);
+                    estimate.low = parameter.low;
+                }
+            } else if kind == Kind::Undetermined {
+                (estimate.low, estimate.high) = (parameter.low, parameter.high);
+            }
+            estimate
+        })
+        .collect()
+}
+
+/// The minima in the metrics to compare with.
+fn other_metrics(
+    setting: &Setting<'_>,
+    data: &mut FitData,
+    solution: &Solution,
+    options: &FitOptions<'_>,
+) -> Result<Vec<OtherMetric>, FitError> {
+    let mut out = Vec::new();
+    for &metric in options.compare.iter().filter(|m| **m != options.metric) {
+        let goal = Goal {
+            metric,
+            ..setting.goal
+        };
+        let solver = SolverOptions {
+            max_evaluations: 40,
+            step_tolerance: 1e-5,
+            cost_tolerance: 1e-9,
+            ..setting.solver(options)
+        };
+        let found = settle(&setting.chart, data, goal, &solution.x, setting.bounds(), &solver);
+        if found.stop == Stop::Cancelled {
+            return Err(FitError::Cancelled);
+        }
+        let values = found
+            .x
+            .iter()
+            .zip(&setting.chart.variables)
+            .map(|(x, v)| v.value(*x))
+            .collect();
+        out.push(OtherMetric { metric, values });
+    }
+    Ok(out)
+}
+
+/// Covariance and correlation of the estimates.
+fn in_parameters(
+    setting: &Setting<'_>,
+    estimates: &[Estimate],
+    spread: Option<&Covariance>,
+) -> (Vec<f64>, Vec<f64>) {
+    let n = estimates.len();
+    let slope = |k: usize| setting.chart.variables[k].slope(estimates[k].value);
+    let matrix = spread.map_or_else(
+        || DMatrix::zeros(n, n),
+        |s| DMatrix::from_fn(n, n, |a, b| s.matrix[(a, b)] * slope(a) * slope(b)),
+    );
+    let u: Vec<f64> = (0..n).map(|k| matrix[(k, k)].max(0.0).sqrt()).collect();
+    let row_major =
+        |f: &dyn Fn(usize, usize) -> f64| -> Vec<f64> { (0..n * n).map(|k| f(k / n, k % n)).collect() };
+    let correlation = row_major(&|a, b| {
+        let scale = u[a] * u[b];
+        if scale > 0.0 { matrix[(a, b)] / scale } else { 0.0 }
+    });
+    (row_major(&|a, b| matrix[(a, b)]), correlation)
+}

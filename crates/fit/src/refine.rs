@@ -1,0 +1,168 @@
+//! From a starting point to the minimum: weights from the prediction, and the beam profile where it matters.
+
+use rayon::prelude::*;
+
+use crate::chart::Chart;
+use crate::data::{FitData, Weights};
+use crate::metric::{Loss, Metric};
+use crate::objective::{Objective, Scratch, chunks};
+use crate::solver::{Solution, SolverOptions, Stop, minimise};
+
+/// Rounds of weights at most; the fixed point is reached in three or four.
+const WEIGHT_ROUNDS: usize = 12;
+/// Rounds in which new weights replace the old ones; later their geometric mean does.
+const UNDAMPED: usize = 4;
+/// A round that moves the minimum by less than this many standard deviations is the last.
+const SETTLED: f64 = 1e-3;
+/// Rounds of beam profile rules at most.
+const PLAN_ROUNDS: usize = 5;
+/// Error of a quadrature rule that is allowed, in standard deviations and as a fraction of the DSF.
+const RULE_SIGMA: f64 = 0.02;
+const RULE_RELATIVE: f64 = 1e-4;
+
+/// What is minimised.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    pub(crate) metric: Metric,
+    pub(crate) loss: Loss,
+    pub(crate) by_solid_angle: bool,
+    pub(crate) weights: Weights,
+}
+
+impl Goal {
+    pub(crate) fn objective<'a>(&self, chart: &'a Chart<'a>, data: &'a FitData) -> Objective<'a> {
+        Objective {
+            chart,
+            data,
+            metric: self.metric,
+            loss: self.loss,
+            by_solid_angle: self.by_solid_angle,
+        }
+    }
+}
+
+/// The minimum from `start` with weights that belong to it. Leaves the weights in `data`.
+pub(crate) fn settle(
+    chart: &Chart<'_>,
+    data: &mut FitData,
+    goal: Goal,
+    start: &[f64],
+    (low, high): (&[f64], &[f64]),
+    options: &SolverOptions<'_>,
+) -> Solution {
+    if goal.metric != Metric::Chi2 || goal.weights == Weights::Stated {
+        if goal.metric == Metric::Chi2 {
+            data.weigh_as_stated();
+        }
+        return minimise(&goal.objective(chart, data), start, low, high, options);
+    }
+    let mut x = start.to_vec();
+    let mut evaluations = 0;
+    let mut round = 0;
+    loop {
+        round += 1;
+        let predicted = goal.objective(chart, data).predict(&x);
+        data.reweigh(&predicted, round > UNDAMPED);
+        let mut found = minimise(&goal.objective(chart, data), &x, low, high, options);
+        evaluations += found.evaluations;
+        found.evaluations = evaluations;
+        let step = nalgebra::DVector::from_iterator(x.len(), found.x.iter().zip(&x).map(|(a, b)| a - b));
+        let moved = step.dot(&(&found.normal.matrix * &step)).max(0.0).sqrt();
+        if moved < SETTLED || !found.stop.converged() || round == WEIGHT_ROUNDS {
+            if round == WEIGHT_ROUNDS && moved > 0.1 {
+                found.stop = Stop::Evaluations;
+            }
+            return found;
+        }
+        x = found.x;
+    }
+}
+
+/// [`settle`] with the beam profile folded into the model for every reading that it changes.
+pub(crate) fn refine(
+    chart: &Chart<'_>,
+    data: &mut FitData,
+    goal: Goal,
+    start: &[f64],
+    bounds: (&[f64], &[f64]),
+    options: &SolverOptions<'_>,
+) -> Solution {
+    if data.profiles.iter().all(Option::is_none) {
+        return settle(chart, data, goal, start, bounds, options);
+    }
+    let mut levels = plan(chart, data, start);
+    data.rebuild(Some(&levels));
+    let mut found = settle(chart, data, goal, start, bounds, options);
+    for _ in 1..PLAN_ROUNDS {
+        if found.stop == Stop::Cancelled || found.stop == Stop::NotFinite {
+            break;
+        }
+        let next = plan(chart, data, &found.x);
+        // Finer rules than needed do no harm; only readings that need more matter.
+        let mut finer = false;
+        for (old, new) in levels.iter_mut().flatten().zip(next.iter().flatten()) {
+            finer |= new > old;
+            *old = (*old).max(*new);
+        }
+        if !finer {
+            break;
+        }
+        data.rebuild(Some(&levels));
+        let evaluations = found.evaluations;
+        found = settle(chart, data, goal, &found.x, bounds, options);
+        found.evaluations += evaluations;
+    }
+    found
+}
+
+/// Folds the beam profile into the predictions of the model at `x` where it changes them.
+pub(crate) fn fold_in_beam(chart: &Chart<'_>, data: &mut FitData, x: &[f64]) {
+    if data.profiles.iter().any(Option::is_some) {
+        let levels = plan(chart, data, x);
+        data.rebuild(Some(&levels));
+    }
+}
+
+/// The coarsest rule that serves each reading: the one that the next finer one hardly changes.
+fn plan(chart: &Chart<'_>, data: &FitData, x: &[f64]) -> Vec<Vec<u8>> {
+    data.slabs
+        .par_iter()
+        .enumerate()
+        .map_init(Scratch::default, |scratch, (s, slab)| {
+            let mut levels = vec![0_u8; slab.y.len()];
+            let Some(profile) = &data.profiles[slab.channel] else {
+                return levels;
+            };
+            let local = chart.local(x, slab.channel, slab.component);
+            let mut predict = |index: &[u32], level: Option<usize>| -> Vec<f64> {
+                let block = slab.block(s, index.to_vec(), level.map(|l| profile.rule(l)));
+                let mut out = Vec::with_capacity(index.len());
+                for range in chunks(&block, 0..block.len()) {
+                    let m = range.len();
+                    scratch.evaluate(chart, &local, &block, range, false);
+                    out.extend_from_slice(&scratch.predicted[..m]);
+                }
+                out
+            };
+            let mut active: Vec<u32> = (0..slab.y.len() as u32).collect();
+            let mut value = predict(&active, None);
+            for level in 0..profile.levels() {
+                let finer = predict(&active, Some(level));
+                let (mut rest, mut rest_value) = (Vec::new(), Vec::new());
+                for ((&j, &coarse), &fine) in active.iter().zip(&value).zip(&finer) {
+                    let sigma = (slab.law.variance(fine) + slab.extra[j as usize]).sqrt();
+                    if (fine - coarse).abs() > RULE_RELATIVE * fine.abs() + RULE_SIGMA * sigma {
+                        levels[j as usize] = level as u8 + 1;
+                        rest.push(j);
+                        rest_value.push(fine);
+                    }
+                }
+                (active, value) = (rest, rest_value);
+                if active.is_empty() {
+                    break;
+                }
+            }
+            levels
+        })
+        .collect()
+}

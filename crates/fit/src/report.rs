@@ -1,0 +1,97 @@
+//! How well a model describes the readings.
+
+use std::collections::BTreeMap;
+
+use gonio_scan::Measurement;
+
+use crate::data::FitData;
+use crate::metric::Metric;
+use crate::noise_law::median;
+use crate::result::{Fit, SliceResidual};
+
+/// Square of the median absolute value of a standard normal variable.
+const MEDIAN_SQUARE: f64 = 0.454_936_423_119_572_8;
+
+/// Residuals of every slab; `predicted` has one list a block.
+pub(crate) fn residuals(data: &FitData, predicted: &[Vec<f64>]) -> Vec<SliceResidual> {
+    let mut by_slab: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (b, block) in data.blocks.iter().enumerate() {
+        by_slab.entry(block.slab).or_default().push(b);
+    }
+    by_slab
+        .into_iter()
+        .map(|(s, blocks)| {
+            let slab = &data.slabs[s];
+            let (mut l1, mut bias, mut total) = (0.0, 0.0, 0.0);
+            let (mut top, mut predicted_top) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+            let mut squares = Vec::with_capacity(slab.y.len());
+            for &b in &blocks {
+                let block = &data.blocks[b];
+                for (j, &p) in predicted[b].iter().enumerate() {
+                    let (r, w) = (p - block.y[j], block.omega[j]);
+                    l1 += r.abs() * w;
+                    bias += r * w;
+                    total += block.y[j].abs() * w;
+                    top = top.max(block.y[j]);
+                    predicted_top = predicted_top.max(p);
+                    squares.push(r * r * block.inverse_variance[j]);
+                }
+            }
+            let scale = if total > 0.0 { 1.0 / total } else { f64::NAN };
+            SliceResidual {
+                slice: slab.slice,
+                incidence: data.incidences[slab.incidence],
+                channel: data.channels[slab.channel],
+                component: slab.component,
+                readings: slab.y.len(),
+                chi2: median(squares.into_iter()) / MEDIAN_SQUARE,
+                relative_l1: l1 * scale,
+                bias: bias * scale,
+                peak_ratio: predicted_top / top,
+            }
+        })
+        .collect()
+}
+
+/// Predictions in the order of the measurement's slices and readings; NaN where a reading did not take part.
+pub(crate) fn by_slice(measurement: &Measurement, data: &FitData, predicted: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut out: Vec<Vec<f64>> = measurement
+        .slices
+        .iter()
+        .map(|s| vec![f64::NAN; s.len()])
+        .collect();
+    for (block, values) in data.blocks.iter().zip(predicted) {
+        let slab = &data.slabs[block.slab];
+        for (&j, &value) in block.index.iter().zip(values) {
+            out[slab.slice][slab.position[j as usize] as usize] = value;
+        }
+    }
+    out
+}
+
+/// Akaike's criterion, corrected for few observations \[HurvichTsai1989\], with as many observations as there are blocks:
+/// `n (ln(2 cost / readings) + mean ln sigma^2) + 2 k + 2 k (k + 1) / (n - k - 1)`. The mean of the logarithms belongs to
+/// chi-square, whose standard deviations follow the model.
+pub(crate) fn aicc(fit: &Fit, data: &FitData) -> f64 {
+    let n = fit.blocks as f64;
+    let k = fit
+        .estimates
+        .iter()
+        .filter(|e| matches!(e.kind, crate::Kind::Value | crate::Kind::UpperLimit))
+        .count() as f64;
+    if n <= k + 1.0 {
+        return f64::INFINITY;
+    }
+    let readings = fit.readings as f64;
+    let mut level = (2.0 * fit.cost / readings).max(1e-300).ln();
+    if fit.metric == Metric::Chi2 {
+        let sum: f64 = data
+            .blocks
+            .iter()
+            .flat_map(|b| &b.inverse_variance)
+            .map(|v| v.ln())
+            .sum();
+        level -= sum / readings;
+    }
+    n * level + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
+}

@@ -1,0 +1,269 @@
+//! Which model the readings support.
+
+use gonio_bsdf::analytic::families;
+use gonio_geom::{Angles, Component};
+use gonio_scan::Measurement;
+use rayon::prelude::*;
+
+use crate::data::FitData;
+use crate::fitting::Setting;
+use crate::refine::{fold_in_beam, refine};
+use crate::report::residuals;
+use crate::result::{Fit, SliceResidual};
+use crate::solver::Stop;
+use crate::{FitError, FitModel, FitOptions, Selection, fit, fit_models};
+
+/// Readings that a fit without one incidence looks at, at most.
+const FOLD_READINGS: usize = 8000;
+/// Held-out errors closer than this ratio count as equal; then the criterion of Akaike decides.
+const TIE: f64 = 1.03;
+
+/// Error at an incidence that the fit did not see.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldOut {
+    /// Direction of incidence.
+    pub incidence: Angles,
+    /// Residuals of each of its slices and components.
+    pub residuals: Vec<SliceResidual>,
+    /// Mean of their `relative_l1`.
+    pub relative_l1: f64,
+}
+
+/// A model in a comparison.
+#[derive(Clone, Debug)]
+pub struct Ranked {
+    /// Its fit to all readings.
+    pub fit: Fit,
+    /// Errors at the incidences, each left out in turn; empty with a single incidence.
+    pub held_out: Vec<HeldOut>,
+    /// Mean of the errors; NaN without any.
+    pub held_out_error: f64,
+}
+
+impl Ranked {
+    /// The incidence that the others predict worst.
+    pub fn worst(&self) -> Option<&HeldOut> {
+        self.held_out
+            .iter()
+            .max_by(|a, b| a.relative_l1.total_cmp(&b.relative_l1))
+    }
+}
+
+/// The models, best first.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// Every model that could be fitted, best first.
+    pub ranking: Vec<Ranked>,
+    /// Those that could not, and why.
+    pub failed: Vec<(String, FitError)>,
+    /// What the comparison says, in a sentence or two.
+    pub sentence: String,
+}
+
+/// Fit models that describe every component with readings: those of [`fit_models`], and where light is both reflected
+/// and transmitted also each reflecting family with each transmitting one, diffuse parts included.
+///
+/// # Errors
+/// [`FitError`] when the selection names an unknown channel or the list of models is broken.
+pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Vec<FitModel>, FitError> {
+    let data = FitData::new(measurement, selection, |_| true)?;
+    let has = |c| data.slabs.iter().any(|s| s.component == c);
+    let (reflects, transmits) = (has(Component::Reflection), has(Component::Transmission));
+    let fits = |m: &FitModel| {
+        (!reflects || m.scatters_into(Component::Reflection))
+            && (!transmits || m.scatters_into(Component::Transmission))
+            && (reflects || transmits)
+    };
+    let mut models: Vec<FitModel> = fit_models()?.into_iter().filter(fits).collect();
+    if reflects && transmits {
+        let lobes = |component| {
+            families().iter().copied().filter(move |f| {
+                let info = f.info();
+                info.scatters.into(component)
+                    && info.scatters != gonio_bsdf::analytic::Scatters::Both
+                    && info.parameters.len() > 1
+                    && info
+                        .parameters
+                        .iter()
+                        .all(|p| p.role != gonio_bsdf::analytic::Role::Angle)
+            })
+        };
+        for r in lobes(Component::Reflection) {
+            for t in lobes(Component::Transmission) {
+                let name = format!("lambert+{}+lambert-transmission+{}", r.info().name, t.info().name);
+                models.push(crate::fit_model(&name)?);
+            }
+        }
+    }
+    Ok(models)
+}
+
+/// Fits every model and ranks them: by the error at incidences left out in turn, models within 3 % of one another by
+/// Akaike's criterion; with a single incidence by the criterion alone.
+///
+/// # Errors
+/// [`FitError::Cancelled`], or the first error when no model can be fitted at all.
+pub fn select(
+    measurement: &Measurement,
+    models: &[FitModel],
+    options: &FitOptions<'_>,
+) -> Result<Choice, FitError> {
+    let outcomes: Vec<Result<Ranked, (String, FitError)>> = models
+        .par_iter()
+        .map(|model| {
+            fit(measurement, model, options)
+                .and_then(|found| ranked(measurement, found, options))
+                .map_err(|e| (model.name.clone(), e))
+        })
+        .collect();
+    let (mut ranking, mut failed) = (Vec::new(), Vec::new());
+    for outcome in outcomes {
+        match outcome {
+            Ok(ranked) => ranking.push(ranked),
+            Err((_, FitError::Cancelled)) => return Err(FitError::Cancelled),
+            Err(other) => failed.push(other),
+        }
+    }
+    if ranking.is_empty() {
+        return Err(failed.into_iter().next().map_or_else(
+            || FitError::Model {
+                found: "no model to compare".into(),
+                allowed: "at least one".into(),
+            },
+            |(_, e)| e,
+        ));
+    }
+    ranking.sort_by(|a, b| {
+        a.held_out_error
+            .total_cmp(&b.held_out_error)
+            .then(a.fit.aicc.total_cmp(&b.fit.aicc))
+    });
+    if ranking[0].held_out_error.is_finite() {
+        let limit = ranking[0].held_out_error * TIE;
+        let ties = ranking.iter().take_while(|r| r.held_out_error <= limit).count();
+        ranking[..ties].sort_by(|a, b| a.fit.aicc.total_cmp(&b.fit.aicc));
+    }
+    let sentence = sentence(&ranking);
+    Ok(Choice {
+        ranking,
+        failed,
+        sentence,
+    })
+}
+
+fn ranked(measurement: &Measurement, found: Fit, options: &FitOptions<'_>) -> Result<Ranked, FitError> {
+    let held_out = leave_one_incidence_out(measurement, &found, options)?;
+    let mean = held_out.iter().map(|h| h.relative_l1).sum::<f64>() / held_out.len() as f64;
+    Ok(Ranked {
+        fit: found,
+        held_out_error: mean,
+        held_out,
+    })
+}
+
+/// Fits again without each incidence in turn and predicts its readings. Empty with fewer than two incidences.
+///
+/// # Errors
+/// As [`fit`].
+pub fn leave_one_incidence_out(
+    measurement: &Measurement,
+    found: &Fit,
+    options: &FitOptions<'_>,
+) -> Result<Vec<HeldOut>, FitError> {
+    let model = &found.model;
+    let mut data = FitData::new(measurement, &options.selection, |c| model.scatters_into(c))?;
+    if !options.signature {
+        data.profiles.iter_mut().for_each(|p| *p = None);
+    }
+    let setting = Setting::new(model, &data, options)?;
+    let measured: Vec<usize> = (0..data.incidences.len())
+        .filter(|&i| data.slabs.iter().any(|s| s.incidence == i))
+        .collect();
+    if measured.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let values: Vec<Vec<f64>> = found.parameters().into_iter().map(|(_, q)| q).collect();
+    let start = setting.chart.variables_of(&values);
+    let part = data.thinned(FOLD_READINGS);
+    measured
+        .par_iter()
+        .map(|&i| {
+            let mut rest = part.of_incidences(|k| k != i);
+            let solver = setting.solver(options);
+            let solution = refine(
+                &setting.chart,
+                &mut rest,
+                setting.goal,
+                &start,
+                setting.bounds(),
+                &solver,
+            );
+            match solution.stop {
+                Stop::Cancelled => return Err(FitError::Cancelled),
+                Stop::NotFinite => return Err(setting.not_converged(solution.evaluations)),
+                _ => {}
+            }
+            let mut left_out = data.of_incidences(|k| k == i);
+            fold_in_beam(&setting.chart, &mut left_out, &solution.x);
+            let predicted = setting
+                .goal
+                .objective(&setting.chart, &left_out)
+                .predict(&solution.x);
+            left_out.reweigh(&predicted, false);
+            let residuals = residuals(&left_out, &predicted);
+            let mean = residuals.iter().map(|r| r.relative_l1).sum::<f64>() / residuals.len() as f64;
+            Ok(HeldOut {
+                incidence: data.incidences[i],
+                residuals,
+                relative_l1: mean,
+            })
+        })
+        .collect()
+}
+
+fn sentence(ranking: &[Ranked]) -> String {
+    let best = &ranking[0];
+    let mut text = match best.worst() {
+        Some(worst) => format!(
+            "{} describes the sample best: it predicts incidences that it was not fitted to with an error of {:.1} % \
+             (relative L1), worst at theta_i = {:.1} deg ({:.1} %)",
+            best.fit.model.name,
+            100.0 * best.held_out_error,
+            worst.incidence.theta.to_degrees(),
+            100.0 * worst.relative_l1
+        ),
+        None => format!(
+            "{} has the lowest information criterion; with a single incidence nothing shows whether it holds at others",
+            best.fit.model.name
+        ),
+    };
+    match ranking.get(1) {
+        Some(next) if best.held_out.is_empty() => {
+            text += &format!(
+                "; next is {} ({:+.1} in AICc)",
+                next.fit.model.name,
+                next.fit.aicc - best.fit.aicc
+            );
+        }
+        Some(next) if next.held_out_error <= best.held_out_error * TIE => {
+            text += &format!(
+                "; {} does as well ({:.1} %) but has the higher information criterion ({:+.1} in AICc)",
+                next.fit.model.name,
+                100.0 * next.held_out_error,
+                next.fit.aicc - best.fit.aicc
+            );
+        }
+        Some(next) => {
+            text += &format!(
+                "; next is {} ({:.1} %)",
+                next.fit.model.name,
+                100.0 * next.held_out_error
+            );
+        }
+        None => {}
+    }
+    if best.fit.warns("misfit") {
+        text += ". Even so its residuals exceed the noise: a data-driven model will be closer";
+    }
+    text + "."
+}

@@ -1,0 +1,106 @@
+//! Where the search begins.
+
+use gonio_bsdf::analytic::Role;
+
+use crate::chart::Chart;
+use crate::data::FitData;
+use crate::metric::{Loss, Metric};
+use crate::objective::Objective;
+use crate::solver::{Solution, SolverOptions, Stop, minimise};
+
+/// Widths a lobe is tried with: from a beam's own width to a broad sheen.
+const WIDTHS: [f64; 5] = [0.008, 0.025, 0.07, 0.18, 0.45];
+/// Steps in which a further positive parameter that spans decades is tried.
+const DECADES: usize = 4;
+/// Azimuths of an anisotropic lobe's axis that are tried, radians.
+const AXES: [f64; 2] = [0.0, std::f64::consts::FRAC_PI_4];
+/// Most points that are tried.
+const MOST: usize = 128;
+/// How many of them are followed after their amplitudes are known, and how many of those to the end.
+const FOLLOWED: usize = 6;
+const FINISHED: usize = 3;
+
+/// The starting points: every combination of widths, decades and axes, with amplitudes at their default.
+pub(crate) fn starts(
+    chart: &Chart<'_>,
+    low: &[f64],
+    high: &[f64],
+    fixed: &[bool],
+    defaults: &[f64],
+) -> Vec<Vec<f64>> {
+    let mut all = vec![defaults.to_vec()];
+    for (v, variable) in chart.variables.iter().enumerate() {
+        if fixed[v] {
+            continue;
+        }
+        let parameter = &chart.model.parameters[variable.parameter];
+        let values: Vec<f64> = match parameter.role {
+            Role::Width => WIDTHS.iter().map(|w| variable.of_value(*w)).collect(),
+            Role::Angle => AXES.to_vec(),
+            Role::Exponent if variable.log => (0..DECADES)
+                .map(|k| low[v] + (high[v] - low[v]) * (k as f64 + 0.5) / DECADES as f64)
+                .collect(),
+            _ => continue,
+        };
+        let values: Vec<f64> = values.iter().map(|x| x.clamp(low[v], high[v])).collect();
+        if all.len() * values.len() > MOST {
+            continue;
+        }
+        all = all
+            .iter()
+            .flat_map(|x| {
+                values.iter().map(|value| {
+                    let mut x = x.clone();
+                    x[v] = *value;
+                    x
+                })
+            })
+            .collect();
+    }
+    all.dedup();
+    all
+}
+
+/// The best few minima in the cube-root metric from all starting points, best first. Cube roots compress the range of
+/// the readings, so that neither the peak nor the floor rules far from the minimum. First the amplitudes alone are fitted, in
+/// which the models are nearly linear, then everything.
+pub(crate) fn search(
+    chart: &Chart<'_>,
+    data: &FitData,
+    points: Vec<Vec<f64>>,
+    (low, high): (&[f64], &[f64]),
+    options: &SolverOptions<'_>,
+) -> Vec<Solution> {
+    let objective = Objective {
+        chart,
+        data,
+        metric: Metric::CubeRoot,
+        loss: Loss::Linear,
+        by_solid_angle: false,
+    };
+    let held: Vec<bool> = chart
+        .variables
+        .iter()
+        .enumerate()
+        .map(|(k, v)| options.fixed[k] || chart.model.parameters[v.parameter].role != Role::Amplitude)
+        .collect();
+    let run = |points: Vec<Vec<f64>>, fixed: &[bool], most: usize, kept: usize| -> Vec<Solution> {
+        let options = SolverOptions {
+            fixed,
+            max_evaluations: most,
+            step_tolerance: 1e-5,
+            ..options.clone()
+        };
+        let mut found: Vec<Solution> = points
+            .iter()
+            .map(|x| minimise(&objective, x, low, high, &options))
+            .filter(|s| s.stop != Stop::NotFinite)
+            .collect();
+        found.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+        found.truncate(kept);
+        found
+    };
+    let amplitudes = run(points, &held, 12, FOLLOWED);
+    let points = amplitudes.into_iter().map(|s| s.x).collect();
+    run(points, options.fixed, 80, FINISHED)
+}

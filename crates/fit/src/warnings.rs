@@ -1,0 +1,251 @@
+//! What to know before fitted parameters are used.
+
+use gonio_bsdf::albedo::directional_albedo;
+use gonio_bsdf::analytic::Role;
+use gonio_geom::Component;
+
+use crate::data::FitData;
+use crate::fitting::Setting;
+use crate::limits::resolution;
+use crate::result::{Fit, Warning};
+use crate::{Estimate, Kind, Metric};
+
+/// Share of missing readings from which it is worth a word.
+const MISSING: f64 = 0.2;
+/// Correlation from which two parameters say the same.
+const CORRELATED: f64 = 0.9;
+/// Width from which a lobe cannot be told well from the diffuse part (the correlation of their amplitudes passes -0.6).
+const BROAD: f64 = 0.4;
+/// Amplitudes below this many standard uncertainties are no evidence of a lobe.
+const EVIDENCE: f64 = 3.0;
+/// Dispersion from which the model does not describe the readings within their noise.
+const MISFIT: f64 = 1.5;
+/// Difference between metrics, in standard uncertainties, from which the model and not the noise rules.
+const SPREAD: f64 = 3.0;
+
+pub(crate) fn of(fit: &Fit, data: &FitData, setting: &Setting<'_>) -> Vec<Warning> {
+    let mut all = Vec::new();
+    let mut warn = |code: &'static str, text: String| all.push(Warning { code, text });
+    if !fit.converged {
+        warn(
+            "not_converged",
+            format!(
+                "the search ended after {} evaluations without settling; the values may still move. Try fewer free \
+                 parameters or another model",
+                fit.evaluations
+            ),
+        );
+    }
+    if data.missing > MISSING {
+        warn(
+            "missing_readings",
+            format!(
+                "{:.0} % of the readings are no numbers; check the file and its reader",
+                100.0 * data.missing
+            ),
+        );
+    }
+    if data.slabs.iter().any(|s| !s.law_known) {
+        warn(
+            "noise_unknown",
+            "the measurement states no uncertainty of single readings; 5 % was assumed for their weights, and the \
+             uncertainties of the parameters come from the residuals alone"
+                .into(),
+        );
+    }
+    let incidences = {
+        let mut seen: Vec<usize> = data.slabs.iter().map(|s| s.incidence).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        seen.len()
+    };
+    if incidences < 2 {
+        warn(
+            "one_incidence",
+            "only one direction of incidence: nothing shows whether the model holds at others; measure two or more".into(),
+        );
+    }
+    if let Some((component, n)) = data.other_component {
+        warn(
+            "other_component",
+            format!(
+                "{n} readings of {component} are not described by {} and were left out",
+                fit.model.name
+            ),
+        );
+    }
+    if let Some(dispersion) = fit
+        .dispersion
+        .filter(|d| *d > MISFIT && data.slabs.iter().all(|s| s.law_known))
+    {
+        let worst = fit
+            .residuals
+            .iter()
+            .max_by(|a, b| a.relative_l1.total_cmp(&b.relative_l1));
+        let place = worst.map_or(String::new(), |r| {
+            format!(
+                "; worst at theta_i = {:.1} deg, channel {}, {} ({:.1} % relative L1)",
+                r.incidence.theta.to_degrees(),
+                r.channel,
+                r.component,
+                100.0 * r.relative_l1
+            )
+        });
+        warn(
+            "misfit",
+            format!(
+                "residuals scatter {:.1} times as much as the stated noise{place}: {} does not describe the sample within its \
+                 noise; compare other models or use a data-driven one",
+                dispersion.sqrt(),
+                fit.model.name
+            ),
+        );
+    }
+    estimates(fit, data, setting, &mut warn);
+    energy(fit, data, &mut warn);
+    all
+}
+
+fn label(e: &Estimate) -> String {
+    match e.channel {
+        Some(channel) => format!("{} ({channel})", e.name),
+        None => e.name.clone(),
+    }
+}
+
+fn estimates(fit: &Fit, data: &FitData, setting: &Setting<'_>, warn: &mut impl FnMut(&'static str, String)) {
+    let lobes = fit.estimates.iter().any(|e| e.role == Role::Width);
+    for (k, e) in fit.estimates.iter().enumerate() {
+        let variable = setting.chart.variables[k];
+        let parameter = &fit.model.parameters[variable.parameter];
+        match e.kind {
+            Kind::Undetermined => warn(
+                "undetermined",
+                format!(
+                    "{}: the readings do not depend on it, or only together with another parameter; fix it or use a \
+                     simpler model",
+                    label(e)
+                ),
+            ),
+            Kind::UpperLimit => {
+                let limit = resolution(&setting.chart, data, variable.parameter).unwrap_or(e.high);
+                warn(
+                    "unresolved",
+                    format!(
+                        "{}: the beam is too wide to resolve the lobe; below {:.3} is all that can be said (resolution \
+                         {limit:.3}). Measure with a narrower beam or receiver",
+                        label(e),
+                        e.high
+                    ),
+                );
+            }
+            Kind::Value => {
+                let x = variable.of_value(e.value);
+                let span = 1e-6 * (setting.high[k] - setting.low[k]).abs();
+                let (at_low, at_high) = (x - setting.low[k] <= span, setting.high[k] - x <= span);
+                let is_lobe = e.role == Role::Amplitude && lobes && parameter.low == 0.0;
+                if is_lobe && e.value < EVIDENCE * e.u {
+                    warn(
+                        "no_peak",
+                        format!(
+                            "{} = {:.2e} is not told from zero (u = {:.1e}): the readings show no such part, and the \
+                             parameters of its shape mean nothing; use a model without it",
+                            label(e),
+                            e.value,
+                            e.u
+                        ),
+                    );
+                } else if at_low || at_high {
+                    let bound = if at_low { parameter.low } else { parameter.high };
+                    warn(
+                        "at_bound",
+                        format!(
+                            "{} is at its bound {bound}; another model may suit the sample better",
+                            label(e)
+                        ),
+                    );
+                }
+                if e.role == Role::Width && e.value > BROAD && parameter.high <= 1.0 {
+                    warn(
+                        "broad_lobe",
+                        format!(
+                            "{} = {:.2}: a lobe this broad is hardly told from the diffuse part; fix one of the two with an \
+                             integrating sphere or a known total reflectance",
+                            label(e),
+                            e.value
+                        ),
+                    );
+                }
+            }
+            Kind::Fixed => {}
+        }
+        if e.kind == Kind::Value && e.u > 0.0 && e.u_model > SPREAD * e.u && e.u_model > 0.01 * e.value.abs()
+        {
+            let other = fit
+                .other_metrics
+                .iter()
+                .max_by(|a, b| {
+                    (a.values[k] - e.value)
+                        .abs()
+                        .total_cmp(&(b.values[k] - e.value).abs())
+                })
+                .map_or(Metric::CubeRoot, |o| o.metric);
+            warn(
+                "metric_spread",
+                format!(
+                    "{}: {} prefers a value {:.2e} away, {:.0} standard uncertainties: the model, not the noise, limits \
+                     it; quote u_model",
+                    label(e),
+                    other.name(),
+                    e.u_model,
+                    e.u_model / e.u
+                ),
+            );
+        }
+    }
+    let n = fit.estimates.len();
+    for a in 0..n {
+        for b in a + 1..n {
+            let r = fit.correlation[a * n + b];
+            if r.abs() > CORRELATED {
+                warn(
+                    "correlated",
+                    format!(
+                        "{} and {} are correlated ({r:+.2}): their combination is known better than either; fix one",
+                        label(&fit.estimates[a]),
+                        label(&fit.estimates[b])
+                    ),
+                );
+            }
+        }
+    }
+}
+
+/// Albedo above one at a measured incidence.
+fn energy(fit: &Fit, data: &FitData, warn: &mut impl FnMut(&'static str, String)) {
+    let Ok(model) = fit.bsdf() else {
+        return;
+    };
+    let mut worst: Option<(f64, f64, usize)> = None;
+    for angles in &data.incidences {
+        for channel in 0..fit.channels.len() {
+            let albedo: f64 = [Component::Reflection, Component::Transmission]
+                .map(|c| directional_albedo(model.as_ref(), angles.direction(), c, channel))
+                .iter()
+                .sum();
+            if albedo > 1.0 && worst.is_none_or(|w| albedo > w.0) {
+                worst = Some((albedo, angles.theta.to_degrees(), channel));
+            }
+        }
+    }
+    if let Some((albedo, theta, channel)) = worst {
+        warn(
+            "energy",
+            format!(
+                "the fitted model scatters {albedo:.3} of the light at theta_i = {theta:.1} deg in channel {}; check the \
+                 beam power, or use a model that conserves energy",
+                fit.channels[channel]
+            ),
+        );
+    }
+}
