@@ -16,6 +16,7 @@ from gonio._native import (
     Verdict,
     __version__,
 )
+from gonio.analytic import Model, ModelParameter, analytic, directional_albedo, models
 from gonio.building import build
 from gonio.checking import check
 from gonio.colours import Colour, colour, colour_of_channels
@@ -44,6 +45,8 @@ __all__ = [
     "GonioError",
     "HemisphericalIntegral",
     "Measurement",
+    "Model",
+    "ModelParameter",
     "QuantityError",
     "RadianceMaterial",
     "Readings",
@@ -53,13 +56,16 @@ __all__ = [
     "SphereResult",
     "Verdict",
     "__version__",
+    "analytic",
     "build",
     "check",
     "colour",
     "colour_of_channels",
     "demo",
+    "directional_albedo",
     "export",
     "inspect",
+    "models",
     "process",
     "read",
     "read_materials",

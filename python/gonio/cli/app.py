@@ -14,6 +14,7 @@ from gonio.cli.colour import colour
 from gonio.cli.demo import demo
 from gonio.cli.export import export
 from gonio.cli.inspect import inspect
+from gonio.cli.models import models
 from gonio.cli.process import process
 from gonio.cli.report import report
 from gonio.cli.roughness import roughness
@@ -52,6 +53,7 @@ for function in (
     export,
     report,
     simulate,
+    models,
     specularity,
     roughness,
     colour,
