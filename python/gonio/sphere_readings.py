@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from gonio._native import DomainError
+from gonio._native import DomainError, RadianceMaterial
 from gonio.port import SMALLEST_LOBE, diffuse_through_port, lobe_through_port, port_capture
 from gonio.radiance_colour import luminance
 
@@ -41,6 +41,24 @@ class RadianceParameters:
     blue: float
     specularity: float
     roughness: float
+
+    def to_material(self, id: str) -> RadianceMaterial:
+        """The material under the name `id`, for `gonio.write_materials`.
+
+        Raises
+        ------
+        DomainError
+            A parameter out of Radiance's range, such as a colour above 1.
+        """
+        return RadianceMaterial(
+            self.material,
+            id=id,
+            red=self.red,
+            green=self.green,
+            blue=self.blue,
+            spec=self.specularity,
+            rough=self.roughness,
+        )
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,14 @@ def test_specularity_prints_its_value_and_warns_on_stderr(run):
     assert "warning: the port takes about 17 % of a lobe" in done.err
 
 
+def test_specularity_writes_a_radiance_material(run, tmp_path):
+    done = run(*SPHERE, "--rgb", "1,0.5,0.25", "--alpha", 0.02, "-o", "paint.rad", "--name", "paint")
+    assert done.code == 0, done
+    text = (tmp_path / "paint.rad").read_text()
+    assert "void plastic paint\n0\n0\n5 " in text
+    assert text.startswith("# gonio specularity: 0.0")
+
+
 def test_specularity_as_json_carries_the_budget(run):
     done = run(*SPHERE, "--u-total", 0.005, "--json")
     found = json.loads(done.out)
@@ -76,6 +84,8 @@ def test_colour_as_json_carries_the_illuminant(run, spectrum):
     [
         (("specularity", "--total", 55, "--diffuse", 50, "--port", 5), ("rho_total", "55", "percent")),
         ((*SPHERE, "--rgb", "1,2"), ("--rgb", "R,G,B")),
+        ((*SPHERE, "-o", "m.rad"), ("--out", "--rgb")),
+        ((*SPHERE, "--rgb", "1,0,0", "-o", "m.rad"), ("red", "allowed 0 to 1")),
         ((*SPHERE, "--material", "wood"), ("wood",)),
         ((*SPHERE, "--alpha", 0.9), ("alpha", "cannot tell them apart")),
         (("specularity", "--total", 0.5, "--port", 5), ("--diffuse",)),

@@ -183,6 +183,32 @@ def test_radiance_parameters_reflect_what_the_sphere_measured(material):
     assert p.roughness == 0.05
 
 
+@pytest.mark.parametrize("material", ["plastic", "metal"])
+@pytest.mark.parametrize("alpha", [0.02, 0.1])
+def test_the_material_of_the_sphere_reflects_the_total_reflectance(material, alpha, tmp_path):
+    total, open_ = readings(s=0.06, rho_d=0.4, alpha=alpha, port=5.0)
+    given = {"rho_total": total, "rho_diffuse": open_, "port_half_angle": 5.0, "alpha": alpha}
+    found = gonio.specularity(**given, rgb=(0.3, 0.2, 0.1), material=material)
+    gonio.write_materials(tmp_path / "m.rad", found.radiance.to_material("paint"))
+    (back,) = gonio.read_materials(tmp_path / "m.rad")
+    assert back.id == "paint"
+    model = back.bsdf()
+    albedo = [
+        _native.directional_albedo(model, theta_i=8.0, phi_i=0.0, component="reflection", channel=c)
+        for c in ("red", "green", "blue")
+    ]
+    assert luminance(albedo) == pytest.approx(total, rel=1e-5)
+
+
+def test_a_colour_that_no_radiance_material_has_is_told_and_refused():
+    found = gonio.specularity(
+        rho_total=0.95, rho_diffuse=0.9, port_half_angle=5.0, alpha=0.02, rgb=(1, 0.1, 0.1)
+    )
+    assert any("above 1" in w for w in found.warnings)
+    with pytest.raises(gonio.DomainError, match="red"):
+        found.radiance.to_material("paint")
+
+
 def test_a_negative_specularity_is_kept_told_and_not_written():
     found = gonio.specularity(rho_total=0.8, rho_diffuse=0.799, port_half_angle=6.0, rgb=(1, 1, 1))
     assert found.specularity < 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -44,9 +45,15 @@ def specularity(
         ),
     ] = None,
     material: Annotated[Material, typer.Option(help="plastic or metal.")] = Material.PLASTIC,
+    target: Annotated[
+        Path | None, typer.Option("-o", "--out", help="File of the Radiance material (.rad); takes --rgb.")
+    ] = None,
+    name: Annotated[str, typer.Option(help="Name of the material in it.")] = "material",
     json: Json = False,
 ) -> None:
     """Specularity from the total and the diffuse reflectance of an integrating sphere."""
+    if target is not None and rgb is None:
+        raise typer.BadParameter("a Radiance material takes a colour: give --rgb", param_hint="--out")
     found = gonio.specularity(
         rho_total=total,
         rho_diffuse=diffuse,
@@ -63,6 +70,9 @@ def specularity(
         rgb=None if rgb is None else _three(rgb),
         material=MATERIALS[material],
     )
+    if target is not None and found.radiance is not None:
+        comment = f"gonio specularity: {found.specularity:.4f} +- {2 * found.u:.4f} (k = 2)"
+        gonio.write_materials(target, found.radiance.to_material(name), comment=comment)
     if json:
         print_json(found.to_dict())
         return
