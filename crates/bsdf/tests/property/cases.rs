@@ -1,7 +1,7 @@
 //! What the laws are tested on.
 
 use gonio_bsdf::analytic::{Family, Sum, families, family};
-use gonio_bsdf::{Bsdf, Channel};
+use gonio_bsdf::{Bsdf, Channel, RadianceMaterial};
 use gonio_geom::Direction;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -27,6 +27,14 @@ pub(crate) fn chosen() -> Vec<&'static dyn Family> {
                 .is_none_or(|names| names.split(',').any(|n| n == f.info().name))
         })
         .collect()
+}
+
+/// Every registered model, sum and Radiance material.
+pub(crate) fn everything() -> Vec<Case> {
+    let mut cases = registered();
+    cases.extend(sums());
+    cases.extend(materials());
+    cases
 }
 
 /// Every family with every setting.
@@ -83,11 +91,11 @@ pub(crate) fn sums() -> Vec<Case> {
             ],
         ),
         (
-            "three colours",
+            "three colours, a lobe that is black in the first",
             0.02,
             vec![
                 colours("lambert", &[0.4], &[0.2], &[0.0]),
-                colours("ward-gmd", &[0.02, 0.1], &[0.1, 0.1], &[0.3, 0.2]),
+                colours("ward-gmd", &[0.0, 0.1], &[0.1, 0.1], &[0.3, 0.2]),
                 colours("abg", &[0.05, 0.02, 2.0], &[0.05, 0.02, 2.0], &[0.05, 0.02, 1.5]),
             ],
         ),
@@ -115,6 +123,51 @@ pub(crate) fn sums() -> Vec<Case> {
             label: label.to_owned(),
             model: Box::new(Sum::new(parts).unwrap()),
             width,
+        })
+        .collect()
+}
+
+/// Radiance materials of every type: with lobes, with ideal parts, with both.
+pub(crate) fn materials() -> Vec<Case> {
+    let list: [(&str, &str, &[f64], f64); 16] = [
+        ("plastic", "", &[0.0, 0.4, 0.8, 0.05, 0.1], 0.1),
+        ("plastic", "", &[0.2, 0.4, 0.8, 0.05, 0.0], 1.0),
+        ("plastic", "", &[0.2, 0.4, 0.8, 0.01, 0.0], 1.0),
+        ("metal", "", &[0.9, 0.6, 0.2, 0.8, 0.02], 0.02),
+        ("metal", "", &[0.9, 0.6, 0.2, 0.8, 0.0], 1.0),
+        ("trans", "", &[0.9, 0.8, 0.7, 0.05, 0.2, 0.6, 0.5], 0.2),
+        ("trans", "", &[0.9, 0.8, 0.7, 0.05, 0.0, 0.6, 0.5], 1.0),
+        ("trans", "", &[1.0, 1.0, 1.0, 0.05, 0.0, 1.0, 1.0], 1.0),
+        ("plastic2", "1 1 0 .", &[0.5, 0.4, 0.3, 0.1, 0.1, 0.3], 0.1),
+        ("metal2", "0 0 1 .", &[0.5, 0.4, 0.3, 0.9, 0.1, 0.3], 0.1),
+        (
+            "trans2",
+            "0 1 0 .",
+            &[0.5, 0.4, 0.3, 0.1, 0.1, 0.3, 0.8, 0.9],
+            0.1,
+        ),
+        (
+            "ashik2",
+            "1 0 0 .",
+            &[0.3, 0.2, 0.1, 0.1, 0.2, 0.3, 50.0, 200.0],
+            0.1,
+        ),
+        ("glass", "", &[0.96, 0.9, 0.5], 1.0),
+        ("mirror", "", &[0.9, 0.8, 0.7], 1.0),
+        ("dielectric", "", &[1.0, 1.0, 1.0, 1.5, 0.0], 1.0),
+        ("dielectric", "", &[1.0, 1.0, 1.0, 0.75, 0.0], 1.0),
+    ];
+    list.into_iter()
+        .map(|(word, strings, reals, width)| {
+            let strings: Vec<String> = strings.split_whitespace().map(String::from).collect();
+            let material = RadianceMaterial::from_arguments(word, &strings, reals)
+                .unwrap()
+                .unwrap();
+            Case {
+                label: format!("{word} {reals:?}"),
+                model: material.bsdf().unwrap(),
+                width,
+            }
         })
         .collect()
 }

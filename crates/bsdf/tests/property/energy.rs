@@ -3,21 +3,21 @@
 use gonio_bsdf::albedo::hemispherical_integral;
 use gonio_bsdf::analytic::{Family, Law, Role, Sum};
 use gonio_bsdf::{Bsdf, Channel};
-use gonio_geom::{Direction, Side};
+use gonio_geom::{Component, Direction};
 use rayon::prelude::*;
 
-use crate::cases::{chosen, incidences, model, sums};
+use crate::cases::{chosen, incidences, materials, model, sums};
 use crate::common::{Setting, settings};
 
 /// Polar angles of incidence, degrees: normal, oblique, grazing, and from the back.
 const THETAS: [f64; 7] = [0.0, 30.0, 60.0, 75.0, 85.0, 89.0, 120.0];
 
-/// Total of both components for `channel`, and the bound on its numerical error.
+/// Total of both components and of the ideal parts for `channel`, and the bound on its numerical error.
 pub(crate) fn total(model: &dyn Bsdf, wi: Direction, channel: usize) -> (f64, f64) {
     let n = model.channels().len();
     let (mut value, mut error) = (0.0, 0.0);
-    for side in Side::BOTH {
-        let part = hemispherical_integral(wi, side, |ws| {
+    for component in [Component::Reflection, Component::Transmission] {
+        let part = hemispherical_integral(wi, component.scattered_side(wi.side()), |ws| {
             let cos = ws.cos_theta().abs();
             if n == 1 {
                 return model.eval_first(wi, ws) * cos;
@@ -26,7 +26,9 @@ pub(crate) fn total(model: &dyn Bsdf, wi: Direction, channel: usize) -> (f64, f6
             model.eval(wi, ws, &mut f);
             f[channel] * cos
         });
-        value += part.value;
+        let mut shares = vec![0.0; n];
+        model.delta(wi, component, &mut shares);
+        value += part.value + shares[channel];
         error += part.error;
     }
     (value, error)
@@ -103,6 +105,29 @@ fn a_sum_keeps_energy_exactly_when_it_says_so() {
             case.label
         );
     }
+}
+
+#[test]
+fn a_material_that_claims_to_keep_energy_does() {
+    let mut claims = 0;
+    for case in materials() {
+        let model = case.model.as_ref();
+        if !model.properties().energy_conserving {
+            continue;
+        }
+        claims += 1;
+        for wi in incidences(model, &THETAS) {
+            for channel in 0..3 {
+                let (total, error) = total(model, wi, channel);
+                assert!(
+                    total <= 1.0 + 1e-6 && error < 1e-3,
+                    "{}, {wi:?}: {total} +- {error:e}",
+                    case.label
+                );
+            }
+        }
+    }
+    assert!(claims > 5, "{claims}");
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! What a sample says about itself. Whether samples follow their density is the business of tests/statistical.
 
 use gonio_bsdf::albedo::hemispherical_integral;
-use gonio_geom::Side;
+use gonio_bsdf::{Bsdf, Lobe};
+use gonio_geom::{Component, Direction, Side};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::cases::{incidences, registered, sums};
+use crate::cases::{everything, incidences, sums};
 
 /// Incidences of the weight test, degrees.
 const THETAS: [f64; 5] = [0.0, 35.0, 70.0, 88.0, 140.0];
@@ -13,7 +14,7 @@ const THETAS: [f64; 5] = [0.0, 35.0, 70.0, 88.0, 140.0];
 #[test]
 fn a_weight_is_the_value_times_the_cosine_over_the_density() {
     let mut rng = Pcg64Mcg::seed_from_u64(31);
-    for case in registered().iter().chain(&sums()) {
+    for case in &everything() {
         let model = case.model.as_ref();
         let mut drawn = 0;
         for wi in incidences(model, &THETAS) {
@@ -21,6 +22,16 @@ fn a_weight_is_the_value_times_the_cosine_over_the_density() {
                 let Some(s) = model.sample(wi, rng.random()) else {
                     continue;
                 };
+                drawn += 1;
+                if s.lobe == Lobe::Delta {
+                    let share = ideal_share(model, wi, s.direction);
+                    assert!(
+                        s.pdf <= 1.0 && (s.weight * s.pdf - share).abs() <= 1e-12,
+                        "{}: {s:?}, share {share}",
+                        case.label
+                    );
+                    continue;
+                }
                 let pdf = model.pdf(wi, s.direction);
                 let weight = model.eval_first(wi, s.direction) * s.direction.cos_theta().abs() / pdf;
                 assert!(
@@ -28,11 +39,24 @@ fn a_weight_is_the_value_times_the_cosine_over_the_density() {
                     "{}: {s:?}, density {pdf}, weight {weight}",
                     case.label
                 );
-                drawn += 1;
             }
         }
         assert!(drawn > 100, "{}: only {drawn} samples succeed", case.label);
     }
+}
+
+/// Share of the light that takes the ideal direction `d`, in the first channel.
+fn ideal_share(model: &dyn Bsdf, wi: Direction, d: Direction) -> f64 {
+    let mut shares = vec![0.0; model.channels().len()];
+    let mut sum = 0.0;
+    for component in [Component::Reflection, Component::Transmission] {
+        if let Some(to) = model.delta(wi, component, &mut shares)
+            && to.angle_to(d) < 1e-7
+        {
+            sum += shares[0];
+        }
+    }
+    sum
 }
 
 #[test]
