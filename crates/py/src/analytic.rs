@@ -112,6 +112,17 @@ fn names(info: &ModelInfo) -> String {
         .join(", ")
 }
 
+/// Name of a parameter's role.
+pub(crate) fn role_name(role: Role) -> &'static str {
+    match role {
+        Role::Amplitude => "amplitude",
+        Role::Width => "width",
+        Role::Angle => "angle",
+        Role::Index => "index",
+        Role::Exponent => "exponent",
+    }
+}
+
 /// An analytic model, the sum of `parts`. Each part is a dict with `model`, a name of `model_families`, and that
 /// model's parameters (angles in degrees): a number for every channel or a dict from channel to number. Without any
 /// such dict the model is photopic.
@@ -166,16 +177,7 @@ fn model_families(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
             row.set_item("low", degrees(p.low))?;
             row.set_item("high", degrees(p.high))?;
             row.set_item("default", degrees(p.default))?;
-            row.set_item(
-                "role",
-                match p.role {
-                    Role::Amplitude => "amplitude",
-                    Role::Width => "width",
-                    Role::Angle => "angle",
-                    Role::Index => "index",
-                    Role::Exponent => "exponent",
-                },
-            )?;
+            row.set_item("role", role_name(p.role))?;
             row.set_item("meaning", p.meaning)?;
             parameters.append(row)?;
         }

@@ -6,6 +6,7 @@ mod bsdf;
 mod checking;
 mod errors;
 mod files;
+mod fit;
 mod model;
 mod processing;
 mod radiance;
@@ -28,6 +29,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     errors::register(m)?;
     files::register(m)?;
+    fit::register(m)?;
     processing::register(m)?;
     checking::register(m)?;
     radiance::register(m)?;

@@ -1,0 +1,480 @@
+//! Fits of analytic models.
+
+use std::sync::Arc;
+
+use gonio_bsdf::Channel;
+use gonio_bsdf::analytic::Role;
+use gonio_fit as core;
+use gonio_geom::Component;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::analytic::role_name;
+use crate::bsdf::Bsdf;
+use crate::errors::{DomainError, FitError, OrRaise, QuantityError, Raise, domain};
+use crate::slice::MeasurementData;
+
+impl Raise for core::FitError {
+    fn raise(self) -> PyErr {
+        use core::FitError as E;
+        let text = self.to_string();
+        match self {
+            E::Channel { .. } => QuantityError::new_err(text),
+            E::Model { .. } | E::Domain { .. } | E::Columns { .. } | E::Bsdf(_) => DomainError::new_err(text),
+            _ => FitError::new_err(text),
+        }
+    }
+}
+
+/// A fitted analytic model; angles are degrees.
+#[pyclass(frozen, module = "gonio", name = "FitData")]
+pub(crate) struct FitData(core::Fit);
+
+/// Factor from the unit of the core to that of Python, and that unit.
+fn shown(unit: &str) -> (f64, &str) {
+    if unit == "rad" {
+        (1f64.to_degrees(), "degree")
+    } else {
+        (1.0, unit)
+    }
+}
+
+#[pymethods]
+impl FitData {
+    /// Name of the model.
+    #[getter]
+    fn model(&self) -> &str {
+        &self.0.model.name
+    }
+
+    /// Name of the model in sentences.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.0.model.title
+    }
+
+    /// Names of the channels.
+    #[getter]
+    fn channels(&self) -> Vec<String> {
+        self.0.channels.iter().map(ToString::to_string).collect()
+    }
+
+    /// One dict a parameter: name, unit, role, channel (None: all), value, u, u_common, u_model, low, high, kind,
+    /// interval, meaning.
+    #[getter]
+    fn estimates<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.0
+            .estimates
+            .iter()
+            .map(|e| {
+                let (factor, unit) = shown(&e.unit);
+                let dict = PyDict::new(py);
+                dict.set_item("name", &e.name)?;
+                dict.set_item("unit", unit)?;
+                dict.set_item("role", role_name(e.role))?;
+                dict.set_item("channel", e.channel.map(|c| c.to_string()))?;
+                dict.set_item("value", factor * e.value)?;
+                dict.set_item("u", factor * e.u)?;
+                dict.set_item("u_common", factor * e.u_common)?;
+                dict.set_item("u_model", factor * e.u_model)?;
+                dict.set_item("low", factor * e.low)?;
+                dict.set_item("high", factor * e.high)?;
+                dict.set_item("kind", e.kind.name())?;
+                dict.set_item("interval", e.interval.name())?;
+                let meaning = self.0.model.parameters.iter().find(|p| p.name == e.name);
+                dict.set_item("meaning", meaning.map_or("", |p| p.meaning.as_str()))?;
+                Ok(dict)
+            })
+            .collect()
+    }
+
+    /// Correlation of the estimates, row after row.
+    #[getter]
+    fn correlation(&self) -> Vec<Vec<f64>> {
+        rows(&self.0.correlation, self.0.estimates.len())
+    }
+
+    /// Covariance of the estimates, row after row; angles in degrees.
+    #[getter]
+    fn covariance(&self) -> Vec<Vec<f64>> {
+        let factors: Vec<f64> = self.0.estimates.iter().map(|e| shown(&e.unit).0).collect();
+        let mut found = rows(&self.0.covariance, factors.len());
+        for (row, a) in found.iter_mut().zip(&factors) {
+            for (v, b) in row.iter_mut().zip(&factors) {
+                *v *= a * b;
+            }
+        }
+        found
+    }
+
+    /// Values that other metrics prefer, in the order of `estimates`, by name of the metric.
+    #[getter]
+    fn other_metrics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for other in &self.0.other_metrics {
+            let values: Vec<f64> = other
+                .values
+                .iter()
+                .zip(&self.0.estimates)
+                .map(|(v, e)| v * shown(&e.unit).0)
+                .collect();
+            dict.set_item(other.metric.name(), values)?;
+        }
+        Ok(dict)
+    }
+
+    /// One dict a slice and component: slice, theta_i, phi_i (degrees), channel, component, readings, chi2,
+    /// relative_l1, bias, peak_ratio.
+    #[getter]
+    fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.0.residuals.iter().map(|r| residual(py, r)).collect()
+    }
+
+    /// Predicted DSF of every reading, one array a slice; NaN where a reading did not take part.
+    #[getter]
+    fn predicted<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyArray1<f64>>> {
+        self.0
+            .predicted
+            .iter()
+            .map(|p| PyArray1::from_slice(py, p))
+            .collect()
+    }
+
+    /// What was minimised and what came of it: metric, loss, weights, readings, excluded (reason to count), blocks,
+    /// cost, dispersion, design_effect, aicc, evaluations, converged.
+    #[getter]
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let f = &self.0;
+        let dict = PyDict::new(py);
+        dict.set_item("metric", f.metric.name())?;
+        dict.set_item(
+            "loss",
+            match f.loss {
+                core::Loss::SoftL1 => "soft-l1",
+                core::Loss::Linear => "linear",
+            },
+        )?;
+        dict.set_item(
+            "weights",
+            match f.weights {
+                core::Weights::Predicted => "predicted",
+                core::Weights::Stated => "stated",
+            },
+        )?;
+        dict.set_item("readings", f.readings)?;
+        let excluded = PyDict::new(py);
+        for e in &f.excluded {
+            excluded.set_item(e.reason.name(), e.count)?;
+        }
+        dict.set_item("excluded", excluded)?;
+        dict.set_item("blocks", f.blocks)?;
+        dict.set_item("cost", f.cost)?;
+        dict.set_item("dispersion", f.dispersion)?;
+        dict.set_item("design_effect", f.design_effect)?;
+        dict.set_item("aicc", f.aicc)?;
+        dict.set_item("evaluations", f.evaluations)?;
+        dict.set_item("converged", f.converged)?;
+        Ok(dict)
+    }
+
+    /// (code, text) of each thing to know before the parameters are used.
+    #[getter]
+    fn warnings(&self) -> Vec<(&'static str, String)> {
+        self.0.warnings.iter().map(|w| (w.code, w.text.clone())).collect()
+    }
+
+    /// The parameters of each channel by name, angles in degrees.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (channel, values) in self.0.parameters() {
+            let of = PyDict::new(py);
+            for (p, v) in self.0.model.parameters.iter().zip(values) {
+                of.set_item(&p.name, v * shown(&p.unit).0)?;
+            }
+            dict.set_item(channel.to_string(), of)?;
+        }
+        Ok(dict)
+    }
+
+    /// The parts of the sum as `analytic` takes them: `model` and its parameters, each a dict from channel to number.
+    #[getter]
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let list = PyList::empty(py);
+        let parameters = self.0.parameters();
+        for part in &self.0.model.parts {
+            let dict = PyDict::new(py);
+            dict.set_item("model", part.info().name)?;
+            for (product, info) in part.values.iter().zip(part.info().parameters) {
+                let of = PyDict::new(py);
+                for (channel, q) in &parameters {
+                    of.set_item(channel.to_string(), product.value(q) * shown(info.unit).0)?;
+                }
+                dict.set_item(info.name, of)?;
+            }
+            list.append(dict)?;
+        }
+        Ok(list)
+    }
+
+    /// The fitted scattering model.
+    fn bsdf(&self) -> PyResult<Bsdf> {
+        Ok(Bsdf(Arc::from(self.0.bsdf().or_raise()?)))
+    }
+}
+
+fn rows(flat: &[f64], n: usize) -> Vec<Vec<f64>> {
+    flat.chunks(n.max(1)).map(<[f64]>::to_vec).collect()
+}
+
+fn residual<'py>(py: Python<'py>, r: &core::result::SliceResidual) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let (theta_i, phi_i) = r.incidence.to_degrees();
+    dict.set_item("slice", r.slice)?;
+    dict.set_item("theta_i", theta_i)?;
+    dict.set_item("phi_i", phi_i)?;
+    dict.set_item("channel", r.channel.to_string())?;
+    dict.set_item("component", r.component.to_string())?;
+    dict.set_item("readings", r.readings)?;
+    dict.set_item("chi2", r.chi2)?;
+    dict.set_item("relative_l1", r.relative_l1)?;
+    dict.set_item("bias", r.bias)?;
+    dict.set_item("peak_ratio", r.peak_ratio)?;
+    Ok(dict)
+}
+
+fn metric(name: &str) -> PyResult<core::Metric> {
+    core::Metric::ALL
+        .into_iter()
+        .find(|m| m.name() == name)
+        .ok_or_else(|| {
+            let names = core::Metric::ALL.map(core::Metric::name).join(", ");
+            domain("metric", format!("{name:?}"), &names)
+        })
+}
+
+/// The options of `settings` in place of the defaults: metric, loss, weights, by_solid_angle, channels, component,
+/// max_theta_s and retro_radius (degrees), signature, fixed (dict; angles in degrees), compare, profile.
+fn options(settings: &Bound<'_, PyDict>, models: &[core::FitModel]) -> PyResult<core::FitOptions<'static>> {
+    let mut o = core::FitOptions::default();
+    for (key, value) in settings {
+        let key: String = key.extract()?;
+        match key.as_str() {
+            "metric" => o.metric = metric(&value.extract::<String>()?)?,
+            "loss" => {
+                o.loss = match value.extract::<String>()?.as_str() {
+                    "soft-l1" => core::Loss::SoftL1,
+                    "linear" => core::Loss::Linear,
+                    other => return Err(domain("loss", format!("{other:?}"), "soft-l1, linear")),
+                }
+            }
+            "weights" => {
+                o.weights = match value.extract::<String>()?.as_str() {
+                    "predicted" => core::Weights::Predicted,
+                    "stated" => core::Weights::Stated,
+                    other => return Err(domain("weights", format!("{other:?}"), "predicted, stated")),
+                }
+            }
+            "by_solid_angle" => o.by_solid_angle = value.extract()?,
+            "channels" => {
+                o.selection.channels = value
+                    .extract::<Vec<String>>()?
+                    .iter()
+                    .map(|c| c.parse::<Channel>().or_raise())
+                    .collect::<PyResult<_>>()?;
+            }
+            "component" => {
+                o.selection.component = match value.extract::<Option<String>>()?.as_deref() {
+                    None => None,
+                    Some("reflection") => Some(Component::Reflection),
+                    Some("transmission") => Some(Component::Transmission),
+                    Some(other) => {
+                        return Err(domain(
+                            "component",
+                            format!("{other:?}"),
+                            "reflection, transmission",
+                        ));
+                    }
+                }
+            }
+            "max_theta_s" => o.selection.max_theta_s = value.extract::<f64>()?.to_radians(),
+            "retro_radius" => o.selection.retro_radius = value.extract::<f64>()?.to_radians(),
+            "signature" => o.signature = value.extract()?,
+            "fixed" => {
+                for (name, held) in value.cast::<PyDict>()? {
+                    let (name, held): (String, f64) = (name.extract()?, held.extract()?);
+                    let angle = models
+                        .iter()
+                        .flat_map(|m| &m.parameters)
+                        .any(|p| p.name == name && p.role == Role::Angle);
+                    o.fixed.push((name, if angle { held.to_radians() } else { held }));
+                }
+            }
+            "compare" => {
+                o.compare = value
+                    .extract::<Vec<String>>()?
+                    .iter()
+                    .map(|m| metric(m))
+                    .collect::<PyResult<_>>()?;
+            }
+            "profile" => o.profile = value.extract()?,
+            other => {
+                return Err(domain(
+                    "fit option",
+                    format!("{other:?}"),
+                    "metric, loss, weights, by_solid_angle, channels, component, max_theta_s, retro_radius, signature, \
+                     fixed, compare, profile",
+                ));
+            }
+        }
+    }
+    Ok(o)
+}
+
+/// Fits one model.
+#[pyfunction]
+#[pyo3(signature = (measurement, *, model, settings))]
+fn fit(
+    py: Python<'_>,
+    measurement: &MeasurementData,
+    model: &str,
+    settings: &Bound<'_, PyDict>,
+) -> PyResult<FitData> {
+    let model = core::fit_model(model).or_raise()?;
+    let options = options(settings, std::slice::from_ref(&model))?;
+    let data = Arc::clone(&measurement.0);
+    Ok(FitData(
+        py.detach(|| core::fit(&data, &model, &options)).or_raise()?,
+    ))
+}
+
+/// Errors at each incidence that a fit did not see: a list of dicts theta_i, phi_i, relative_l1, residuals.
+#[pyfunction]
+#[pyo3(signature = (measurement, fit, *, settings))]
+fn held_out<'py>(
+    py: Python<'py>,
+    measurement: &MeasurementData,
+    fit: &FitData,
+    settings: &Bound<'py, PyDict>,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let options = options(settings, std::slice::from_ref(&fit.0.model))?;
+    let data = Arc::clone(&measurement.0);
+    let found = py
+        .detach(|| core::leave_one_incidence_out(&data, &fit.0, &options))
+        .or_raise()?;
+    found.iter().map(|h| held(py, h)).collect()
+}
+
+fn held<'py>(py: Python<'py>, h: &core::HeldOut) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let (theta_i, phi_i) = h.incidence.to_degrees();
+    dict.set_item("theta_i", theta_i)?;
+    dict.set_item("phi_i", phi_i)?;
+    dict.set_item("relative_l1", h.relative_l1)?;
+    let residuals: PyResult<Vec<_>> = h.residuals.iter().map(|r| residual(py, r)).collect();
+    dict.set_item("residuals", residuals?)?;
+    Ok(dict)
+}
+
+/// Fits and ranks models (those named, or all that suit the data): ranking (list of (FitData, held-out errors)),
+/// failed (name to reason), sentence.
+#[pyfunction]
+#[pyo3(signature = (measurement, *, models, settings))]
+fn select<'py>(
+    py: Python<'py>,
+    measurement: &MeasurementData,
+    models: Vec<String>,
+    settings: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let named = models
+        .iter()
+        .map(|m| core::fit_model(m).or_raise())
+        .collect::<PyResult<Vec<_>>>()?;
+    let options = options(settings, &named)?;
+    let data = Arc::clone(&measurement.0);
+    let choice = py
+        .detach(|| {
+            let models = if named.is_empty() {
+                core::candidates(&data, &options.selection)?
+            } else {
+                named
+            };
+            core::select(&data, &models, &options)
+        })
+        .or_raise()?;
+    let dict = PyDict::new(py);
+    dict.set_item("sentence", &choice.sentence)?;
+    let failed = PyDict::new(py);
+    for (name, error) in &choice.failed {
+        failed.set_item(name, error.to_string())?;
+    }
+    dict.set_item("failed", failed)?;
+    let ranking = PyList::empty(py);
+    for r in choice.ranking {
+        let errors: PyResult<Vec<_>> = r.held_out.iter().map(|h| held(py, h)).collect();
+        ranking.append((Py::new(py, FitData(r.fit))?, r.held_out_error, errors?))?;
+    }
+    dict.set_item("ranking", ranking)?;
+    Ok(dict)
+}
+
+/// Every fit model as data: name, title, parameters (name, unit, low, high, default, role, per_channel, meaning), parts.
+#[pyfunction]
+fn fit_models(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
+    let list = PyList::empty(py);
+    for m in core::fit_models().or_raise()? {
+        let dict = PyDict::new(py);
+        dict.set_item("name", &m.name)?;
+        dict.set_item("title", &m.title)?;
+        let parameters = PyList::empty(py);
+        for p in &m.parameters {
+            let (factor, unit) = shown(&p.unit);
+            let row = PyDict::new(py);
+            row.set_item("name", &p.name)?;
+            row.set_item("unit", unit)?;
+            row.set_item("low", factor * p.low)?;
+            row.set_item("high", factor * p.high)?;
+            row.set_item("default", factor * p.default)?;
+            row.set_item("role", role_name(p.role))?;
+            row.set_item("per_channel", p.per_channel)?;
+            row.set_item("meaning", &p.meaning)?;
+            parameters.append(row)?;
+        }
+        dict.set_item("parameters", parameters)?;
+        let parts: Vec<&str> = m.parts.iter().map(|p| p.info().name).collect();
+        dict.set_item("parts", parts)?;
+        list.append(dict)?;
+    }
+    Ok(list)
+}
+
+/// The sum that a fit model is with the given parameters: a dict from channel to a dict of parameters by name (angles
+/// in degrees).
+#[pyfunction]
+fn fit_model_bsdf(model: &str, parameters: &Bound<'_, PyDict>) -> PyResult<Bsdf> {
+    let model = core::fit_model(model).or_raise()?;
+    let mut channels = Vec::new();
+    for (channel, given) in parameters {
+        let channel: Channel = channel.extract::<String>()?.parse().or_raise()?;
+        let given = given.cast_into::<PyDict>()?;
+        let mut values = Vec::new();
+        for p in &model.parameters {
+            let Some(v) = given.get_item(&p.name)? else {
+                return Err(domain(&p.name, "nothing", "a value"));
+            };
+            values.push(v.extract::<f64>()? / shown(&p.unit).0);
+        }
+        channels.push((channel, values));
+    }
+    Ok(Bsdf(Arc::from(model.bsdf(&channels).or_raise()?)))
+}
+
+pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    m.add_class::<FitData>()?;
+    m.add_function(wrap_pyfunction!(fit, m)?)?;
+    m.add_function(wrap_pyfunction!(held_out, m)?)?;
+    m.add_function(wrap_pyfunction!(select, m)?)?;
+    m.add_function(wrap_pyfunction!(fit_models, m)?)?;
+    m.add_function(wrap_pyfunction!(fit_model_bsdf, m)?)
+}
