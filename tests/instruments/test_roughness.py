@@ -30,6 +30,20 @@ def test_alpha_of_a_gaussian_profile_is_root_two_times_its_rms_slope(sigma, tau)
     assert found.correlation_length[0] == pytest.approx(tau, rel=0.05)
 
 
+def test_the_tilts_of_a_surface_are_those_of_the_beckmann_lobe_of_its_alpha():
+    """Points of a map are even in projected area: the share up to a tilt is 1 - exp(-tan²(tilt) / alpha²).
+
+    With √2 sigma / tau in its place the median tilt would be off by a factor √2.
+    """
+    z = gaussian_map(n=1024, step=1.0, sigma=1.5, tau=10.0, seed=20)
+    alpha = gonio.roughness(z, spacing=1.0, **UM).alpha
+    y, x = np.gradient(z)
+    tangent = np.hypot(x, y)
+    for share in (0.1, 0.5, 0.9, 0.99):
+        predicted = alpha * np.sqrt(-np.log1p(-share))
+        assert np.quantile(tangent, share) == pytest.approx(predicted, rel=0.03)
+
+
 def test_a_row_of_an_isotropic_map_tells_the_alpha_of_the_map():
     z = gaussian_map(n=1024, step=1.0, sigma=1.0, tau=6.0, seed=5)
     whole = gonio.roughness(z, spacing=1.0, **UM).alpha

@@ -14,7 +14,7 @@ import traceback
 from .pages import Skipped
 from .places import ROOT
 
-PAGES = ("weights", "nist-ptfe", "radiance-xml", "export")
+PAGES = ("weights", "nist-ptfe", "radiance-xml", "export", "other-instruments")
 
 
 def main(wanted: list[str]) -> int:
