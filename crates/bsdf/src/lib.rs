@@ -11,6 +11,7 @@ pub mod error;
 pub mod klems;
 pub mod quantity;
 pub mod radiance;
+pub mod rgl;
 pub mod tensor_tree;
 pub mod traits;
 
@@ -20,4 +21,5 @@ pub use components::FourComponents;
 pub use error::BsdfError;
 pub use quantity::Quantity;
 pub use radiance::RadianceMaterial;
+pub use rgl::Rgl;
 pub use traits::{Bsdf, Lobe, Properties, Sample};

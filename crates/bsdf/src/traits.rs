@@ -92,6 +92,12 @@ pub trait Bsdf: Send + Sync {
         })
     }
 
+    /// Whether `f(wi, ws)` rests on data. An analytic model answers `true` everywhere, a measured one `false` where it
+    /// extrapolates or has nothing.
+    fn has_data(&self, _wi: Direction, _ws: Direction) -> bool {
+        true
+    }
+
     /// Density per unit solid angle with which [`Bsdf::sample`] returns `sampled`, given `w`; ideal directions apart.
     fn pdf(&self, _w: Direction, sampled: Direction) -> f64 {
         0.5 * sampled.cos_theta().abs() / PI

@@ -8,7 +8,7 @@ use std::str::FromStr;
 use gonio_scan::Scan;
 
 use crate::error::open;
-use crate::{IoError, ReadOptions, excerpt, gonio_raw, mountain, nist_ptfe, table};
+use crate::{IoError, ReadOptions, excerpt, gonio_raw, mountain, nist_ptfe, table, tensor_file};
 
 /// A format of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -117,9 +117,13 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
 
 /// What a file is that this module does not read, where its first bytes tell.
 fn known_but_other(head: &[u8]) -> Option<&'static str> {
-    const MAGICS: [(&[u8], &str); 6] = [
+    const MAGICS: [(&[u8], &str); 7] = [
         (b"<?xml", "XML, perhaps a Radiance BSDF: a model, not readings"),
         (b"<WindowElement", "a Radiance BSDF XML: a model, not readings"),
+        (
+            tensor_file::MAGIC,
+            "a tensor file, perhaps an RGL material: a model, not readings",
+        ),
         (
             b"PAR1",
             "a Parquet file; gonio.read of the Python package reads it",

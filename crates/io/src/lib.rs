@@ -12,7 +12,9 @@ pub mod nist_ptfe;
 pub mod options;
 pub mod radiance_material;
 pub mod radiance_xml;
+pub mod rgl;
 pub mod table;
+pub mod tensor_file;
 mod text;
 
 pub use atomic::write_atomic;
