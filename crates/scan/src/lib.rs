@@ -24,6 +24,7 @@ pub mod readings;
 pub mod relative;
 mod robust;
 pub mod signature;
+pub mod tabulate;
 #[cfg(test)]
 mod testing;
 mod validate;
@@ -44,4 +45,5 @@ pub use processing::Processing;
 pub use readings::{Scan, ScanKind, ScanMeta};
 pub use relative::{Standard, process_relative};
 pub use signature::Signature;
+pub use tabulate::{Spacing, Tabulation, tabulate};
 pub use verdict::{Level, Verdict};

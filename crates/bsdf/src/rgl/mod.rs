@@ -21,7 +21,7 @@ use warp::{Blend, Grid, Warp};
 
 /// Incidences closer to grazing than this, radians (89.5 degrees), were not measured: the database fills them by
 /// repeating the values before.
-const MEASURED_TO: f64 = 1.562_069_680_534_924_9;
+const MEASURED_TO: f64 = 1.562_069_680_534_925;
 
 /// A measured material. It reflects light that arrives on the front, and nothing else.
 ///
