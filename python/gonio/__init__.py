@@ -11,6 +11,7 @@ from gonio._native import (
     HemisphericalIntegral,
     QuantityError,
     RadianceMaterial,
+    Rgl,
     Scan,
     Slice,
     Verdict,
@@ -24,6 +25,7 @@ from gonio.demonstrating import DemoResult, demo
 from gonio.exporting import Export, export, read_radiance
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
+from gonio.model_files import read_bsdf
 from gonio.processing import process
 from gonio.radiance_materials import read_materials, write_materials
 from gonio.readings import Readings, read
@@ -31,6 +33,7 @@ from gonio.reporting import report
 from gonio.simulating import simulate
 from gonio.sphere_readings import SphereResult, specularity
 from gonio.surface_roughness import Roughness, roughness
+from gonio.tabulating import tabulate
 
 __all__ = [
     "FLAGS",
@@ -50,6 +53,7 @@ __all__ = [
     "QuantityError",
     "RadianceMaterial",
     "Readings",
+    "Rgl",
     "Roughness",
     "Scan",
     "Slice",
@@ -68,11 +72,13 @@ __all__ = [
     "models",
     "process",
     "read",
+    "read_bsdf",
     "read_materials",
     "read_radiance",
     "report",
     "roughness",
     "simulate",
     "specularity",
+    "tabulate",
     "write_materials",
 ]

@@ -128,14 +128,14 @@ def inspect(
     upphi: float | None = None,
     keep_going: bool = False,
 ) -> Inspection:
-    """Summarise reading files, measurement directories and Radiance BSDF XML files.
+    """Summarise reading files, measurement directories and models (Radiance BSDF XML, RGL).
 
     Parameters
     ----------
     paths
         One path or many.
     format, columns, quantity, channel, upphi
-        As in `gonio.read`; of an XML file `channel` takes one out.
+        As in `gonio.read`; of a model's file `channel` takes one out.
     keep_going
         Put files that cannot be read into `Inspection.failed` and go on with the others.
 
@@ -176,11 +176,12 @@ def _summary(path: Path, options: Mapping[str, Any]) -> FileSummary:
             records=[_record(s) for s in measurement.slices],
             sample_name=measurement.sample_name,
         )
-    if options["format"] is None and model_files.is_radiance_xml(path):
+    kind = model_files.model_format(path) if options["format"] is None else None
+    if kind is not None:
         model = model_files.summarise(path, channel=options["channel"])
         return FileSummary(
             path=os.fspath(path),
-            format=model_files.FORMAT,
+            format=kind,
             bytes=path.stat().st_size,
             sha256=sha256(path),
             records=[],
@@ -232,9 +233,8 @@ def _problems(files: Sequence[FileSummary]) -> list[str]:
     """What stands between these files and `gonio process`, in sentences."""
     records = [r for file in files for r in file.records]
     problems = [f"{f.path}: holds no record" for f in files if not f.records and f.model is None]
-    problems += [
-        f"{f.path}: a model, not readings: gonio.read_radiance evaluates it" for f in files if f.model
-    ]
+    problems += [f"{f.path}: a model, not readings: gonio.read_bsdf evaluates it" for f in files if f.model]
+    problems += [f"{f.path}: {note}" for f in files if f.model for note in f.model.notes]
     quantities = list(dict.fromkeys(r.quantity for r in records))
     if len(quantities) > 1:
         problems.append(f"mixed quantities ({', '.join(quantities)}): process them apart")

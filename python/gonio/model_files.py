@@ -1,15 +1,19 @@
-"""What is in a Radiance BSDF XML file: channels, components, representation, albedo."""
+"""Files of models: Radiance BSDF XML and RGL materials, read or summed up."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from gonio import _native
+from gonio._native import Bsdf, QuantityError, Rgl
+from gonio.readings import PathLike
+from gonio.working import interruptible
 
-FORMAT = "radiance-xml"
+XML_FORMAT = "radiance-xml"
+RGL_FORMAT = "rgl-bsdf"
 
 _THETA = np.arange(0.0, 86.0, 5.0)
 _PHI = np.arange(0.0, 360.0, 15.0)
@@ -20,10 +24,10 @@ _PHI = np.arange(0.0, 360.0, 15.0)
 class ComponentSummary:
     """One channel and component of a model.
 
-    `representation` is klems or tensor-tree; `resolution` the angle basis of the patches (incident, exit), or
-    the rank and the number of cells of all components. The directional albedo is the least and the largest
-    over all incident patches, for a tensor tree over incidences of 0 to 85 degrees from the normal of the lit
-    side.
+    `representation` is klems, tensor-tree or rgl; `resolution` the angle basis of the patches (incident,
+    exit), the rank and the number of cells of all components, or the incidences and the nodes of a table. The
+    directional albedo is the least and the largest over all incident patches, for a tensor tree over
+    incidences of 0 to 85 degrees from the normal of the lit side, for an RGL material over those measured.
     """
 
     channel: str
@@ -37,36 +41,75 @@ class ComponentSummary:
 
 @dataclass(frozen=True)
 class ModelSummary:
-    """What a file of a model holds; empty text is not stated."""
+    """What a file of a model holds; empty text is not stated. `notes` are sentences on where its data end."""
 
     name: str
     manufacturer: str
     components: list[ComponentSummary]
+    notes: list[str] = field(default_factory=list)
 
 
-def is_radiance_xml(path: Path) -> bool:
-    """Tell by its first bytes whether a file is XML.
+def model_format(path: Path) -> str | None:
+    """Format of a model's file by its first bytes; None where they are not those of a model.
 
     Raises
     ------
     OSError
         The operating system refuses.
     """
+    if _native.is_tensor_file(path):
+        return RGL_FORMAT
     with path.open("rb") as file:
         start = file.read(512)
-    return start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith((b"<?xml", b"<WindowElement", b"<!--"))
+    xml = (b"<?xml", b"<WindowElement", b"<!--")
+    return XML_FORMAT if start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(xml) else None
 
 
-def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
-    """Summary of every channel of a Radiance or WINDOW BSDF XML file, or of one.
+def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
+    """Read a model from a file: Radiance or WINDOW BSDF XML, or a material of the RGL database.
+
+    Parameters
+    ----------
+    path
+        The file; its content tells the format. An RGL material (tensor file, .bsdf) becomes an `Rgl` model
+        with the channels red, green and blue, or one a wavelength.
+    channel
+        Of an XML, which holds one model a channel, the channel to read: photopic is the file's Visible, solar
+        its Solar, 550nm a wavelength; None is photopic. An RGL material keeps all its channels; one that it
+        does not have is refused.
 
     Raises
     ------
     FormatError
-        The file does not follow the format, or has no such channel.
+        The file does not follow its format, or an XML has no such channel.
+    QuantityError
+        An RGL material has no such channel.
     OSError
         The operating system refuses.
     """
+    file = Path(path)
+    if model_format(file) != RGL_FORMAT:
+        return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or "photopic"))
+    return _rgl_with(file, channel)
+
+
+def _rgl_with(path: Path, channel: str | None) -> Rgl:
+    model = interruptible(lambda: _native.read_rgl(path))
+    if channel is not None and channel not in model.channels:
+        raise QuantityError(f"channel: found {channel}, needed one of {', '.join(model.channels)}")
+    return model
+
+
+def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
+    """Summary of every channel of a file that `read_bsdf` reads, or of one.
+
+    Raises
+    ------
+    FormatError, QuantityError, OSError
+        As `read_bsdf`.
+    """
+    if model_format(path) == RGL_FORMAT:
+        return _rgl(_rgl_with(path, channel), [channel] if channel else None)
     # A file without any channel is refused by the reader, which says why.
     channels = [channel] if channel else _native.radiance_xml_channels(path) or ["photopic"]
     models = [_native.read_radiance_xml(path, channel=c) for c in channels]
@@ -79,6 +122,36 @@ def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
             for side, component in model.components
         ],
     )
+
+
+def _rgl(model: Rgl, asked: list[str] | None) -> ModelSummary:
+    channels = asked or model.channels
+    theta_i, phi_i = model.measured_theta_i, model.phi_i
+    incidences = [(t, p) for p in phi_i.tolist() for t in theta_i.tolist()]
+    slices = _native.tabulate(model, incidences=incidences, channels=channels).slices
+    height, width = model.resolution
+    components = []
+    for channel in channels:
+        dhr = [s.integrals[0].value for s in slices if s.channel == channel and s.integrals]
+        components.append(
+            ComponentSummary(
+                channel=channel,
+                side="front",
+                component="reflection",
+                representation="rgl",
+                resolution=f"{len(model.theta_i)} x {len(phi_i)} incidences, {height} x {width}",
+                albedo_min=min(dhr, default=float("nan")),
+                albedo_max=max(dhr, default=float("nan")),
+            )
+        )
+    notes = []
+    if len(theta_i) < len(model.theta_i):
+        notes.append(f"measured up to theta_i {theta_i[-1]:.2f}; beyond it the last incidence is repeated")
+    share = model.negative_share
+    negative = [f"{100 * share[c]:.2g} % of {c}" for c in channels if share[c] > 0]
+    if negative:
+        notes.append(f"negative values in {', '.join(negative)} are raised to 0")
+    return ModelSummary(name=model.description, manufacturer="", components=components, notes=notes)
 
 
 def _component(

@@ -77,7 +77,7 @@ def test_inspect_shows_representation_components_and_albedo_of_an_xml(run, tmp_p
     told = ("radiance-xml, 1 component", "half white", "photopic", "front reflection", shown)
     for text in (*told, "albedo 0.5000 to 0.5000"):
         assert text in done.out
-    assert "gonio.read_radiance" in done.err
+    assert "gonio.read_bsdf" in done.err
     (component,) = gonio.inspect(tmp_path / "a.xml").files[0].model.components
     assert component.albedo_max == pytest.approx(written.report["max_albedo"], rel=1e-6)
 

@@ -88,13 +88,12 @@ impl Pairs {
         })
     }
 
-    fn map<'py>(
+    fn map<'py, T: numpy::Element>(
         &self,
         py: Python<'py>,
-        f: impl Fn(Direction, Direction) -> f64 + Sync + Send,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let values: Vec<f64> =
-            py.detach(|| self.wi.iter().zip(&self.ws).map(|(&wi, &ws)| f(wi, ws)).collect());
+        f: impl Fn(Direction, Direction) -> T + Sync + Send,
+    ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+        let values: Vec<T> = py.detach(|| self.wi.iter().zip(&self.ws).map(|(&wi, &ws)| f(wi, ws)).collect());
         PyArray1::from_vec(py, values).reshape(self.shape.clone())
     }
 }
@@ -140,6 +139,21 @@ impl Bsdf {
             model.eval(wi, ws, &mut f);
             f[index]
         })
+    }
+
+    /// Whether f rests on data at the pairs: a measured model answers False where it extrapolates or has nothing, an
+    /// analytic one True everywhere. Broadcasts like `eval`.
+    #[pyo3(signature = (*, theta_i, phi_i, theta_s, phi_s))]
+    fn has_data<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: &Bound<'py, PyAny>,
+        phi_i: &Bound<'py, PyAny>,
+        theta_s: &Bound<'py, PyAny>,
+        phi_s: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<bool>>> {
+        let pairs = Pairs::broadcast(py, [theta_i, phi_i, theta_s, phi_s])?;
+        pairs.map(py, |wi, ws| self.0.has_data(wi, ws))
     }
 
     /// Density (1/sr of the direction s) with which `sample` returns s, given i; broadcasts like `eval`.

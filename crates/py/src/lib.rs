@@ -11,9 +11,11 @@ mod model;
 mod processing;
 mod radiance;
 mod radiance_material;
+mod rgl;
 mod scan;
 mod simulate;
 mod slice;
+mod tabulate;
 mod verdict;
 mod weights;
 
@@ -34,8 +36,10 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     checking::register(m)?;
     radiance::register(m)?;
     radiance_material::register(m)?;
+    rgl::register(m)?;
     scan::register(m)?;
     slice::register(m)?;
+    tabulate::register(m)?;
     verdict::register(m)?;
     bsdf::register(m)?;
     model::register(m)?;

@@ -16,7 +16,7 @@ from gonio.model_files import ComponentSummary
 
 def inspect(
     files: Annotated[
-        list[Path], typer.Argument(help="Reading files, measurement directories, BSDF XML files.")
+        list[Path], typer.Argument(help="Reading files, measurement directories, models (BSDF XML, RGL).")
     ],
     format: Format = None,
     column: Columns = None,

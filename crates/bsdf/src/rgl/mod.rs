@@ -119,6 +119,11 @@ impl Rgl {
         &self.theta_i[..self.theta_i.partition_point(|t| *t <= MEASURED_TO)]
     }
 
+    /// Nodes of the square a channel and incidence, (azimuthal, polar).
+    pub fn resolution(&self) -> (usize, usize) {
+        self.spectra.size()
+    }
+
     /// Whether the material depends on `phi_s - phi_i` only.
     pub fn is_isotropic(&self) -> bool {
         self.phi_i.len() <= 2
@@ -155,7 +160,7 @@ impl Rgl {
                 polar_coordinate(sin_m.atan2(m.z)),
                 azimuth_coordinate(azimuth(m) - origin),
             ],
-            i: [polar_coordinate(theta_i), azimuth_coordinate(phi_i)],
+            i: [polar_coordinate(theta_i), azimuth_coordinate(phi_i - origin)],
             sin_m,
             cos_im: i.dot(m),
             blend: self.blend(theta_i, phi_i),
@@ -218,8 +223,8 @@ impl Bsdf for Rgl {
         }
     }
 
-    /// Incidences up to the last measured one, and directions whose surrounding nodes all lie above the horizon: beyond
-    /// them the tables hold what an extrapolation made up.
+    /// Incidences up to the last measured one, and values that rest at least by half of their weight on nodes above the
+    /// horizon: those below it hold what an extrapolation made up.
     fn has_data(&self, wi: Direction, ws: Direction) -> bool {
         let Some(half) = self.half(wi, ws) else {
             return false;
@@ -231,12 +236,16 @@ impl Bsdf for Rgl {
         let Some(valid) = &self.valid else { return true };
         let ([u, v], _) = self.vndf.invert(&half.blend, half.m[0], half.m[1]);
         let grid = self.luminance.grid();
-        let node = grid.cell(u, v).node;
-        half.blend
-            .parts()
-            .iter()
-            .filter(|(_, weight)| *weight > 1e-6)
-            .all(|&(k, _)| grid.corner_indices(k, node).into_iter().all(|n| valid[n]))
+        let cell = grid.cell(u, v);
+        let (s, t) = cell.at;
+        let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t];
+        let mut sum = 0.0;
+        for &(k, weight) in half.blend.parts() {
+            for (n, w) in grid.corner_indices(k, cell.node).into_iter().zip(weights) {
+                sum += if valid[n] { weight * w } else { 0.0 };
+            }
+        }
+        sum >= 0.5
     }
 
     /// The density of [`Bsdf::sample`]. It integrates to less than 1: directions below the horizon are failed samples.
@@ -271,8 +280,10 @@ impl Bsdf for Rgl {
             return None;
         }
         let pdf = Bsdf::pdf(self, w, direction);
-        let weight = self.eval_first(w, direction) * direction.cos_theta() / pdf;
-        (pdf > 0.0 && weight > 0.0).then_some(Sample {
+        let mut f = vec![0.0; self.channels.len()];
+        self.eval(w, direction, &mut f);
+        let weight = f[0] * direction.cos_theta() / pdf;
+        (pdf > 0.0 && f.iter().any(|f| *f > 0.0)).then_some(Sample {
             direction,
             weight,
             pdf,

@@ -71,6 +71,11 @@ impl Grid {
         }
     }
 
+    /// Rows and columns.
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.height, self.width)
+    }
+
     fn nodes(&self) -> usize {
         self.width * self.height
     }

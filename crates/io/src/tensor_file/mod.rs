@@ -4,12 +4,28 @@
 //! the length of its name (u16), the name, the number of dimensions (u16), the code of the number type (u8), the
 //! offset of the data from the start of the file (u64) and the dimensions (u64 each). Data stand anywhere behind.
 
+use std::io::Read;
 use std::path::Path;
 
+use crate::error::open;
 use crate::{IoError, excerpt};
 
 /// First bytes of a tensor file.
 pub const MAGIC: &[u8] = b"tensor_file\0";
+
+/// Whether the file begins as a tensor file does.
+///
+/// # Errors
+/// [`IoError::File`] for refusals of the operating system.
+pub fn is_tensor_file(path: &Path) -> Result<bool, IoError> {
+    let mut head = Vec::with_capacity(MAGIC.len());
+    open(path)?
+        .0
+        .take(MAGIC.len() as u64)
+        .read_to_end(&mut head)
+        .map_err(|e| IoError::file(path, e))?;
+    Ok(head == MAGIC)
+}
 
 /// Most fields and dimensions that are read; real files have about a dozen and five.
 const MAX_FIELDS: u32 = 4096;

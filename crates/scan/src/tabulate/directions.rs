@@ -27,7 +27,7 @@ pub struct Spacing {
 }
 
 impl Default for Spacing {
-    /// 3 degrees, 0.1 degrees at the mirror direction, growing by 0.08 up to 25 degrees of the half vector; up to 85
+    /// 3 degrees, 0.1 degrees at the mirror direction, growing by 0.08 up to 25 degrees of the half vector; up to 88
     /// degrees.
     fn default() -> Self {
         Spacing {
@@ -35,7 +35,7 @@ impl Default for Spacing {
             peak_pitch: 0.1_f64.to_radians(),
             growth: 0.08,
             reach: 25.0_f64.to_radians(),
-            theta_max: 85.0_f64.to_radians(),
+            theta_max: 88.0_f64.to_radians(),
         }
     }
 }

@@ -7,7 +7,7 @@ mod directions;
 #[cfg(test)]
 mod tests;
 
-use gonio_bsdf::Bsdf;
+use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{Angles, Component, Direction};
 use rayon::prelude::*;
 
@@ -23,6 +23,8 @@ pub struct Tabulation {
     pub incidences: Vec<Angles>,
     /// Hemispheres of the receiver, relative to the side of incidence.
     pub components: Vec<Component>,
+    /// Channels of the model; `None` takes all of them.
+    pub channels: Option<Vec<Channel>>,
     /// Where the receiver stands.
     pub spacing: Spacing,
     /// Standard uncertainty of each value relative to it, independent from value to value, `[0, 1]`.
@@ -41,6 +43,7 @@ impl Default for Tabulation {
                 .map(|theta| Angles::from_degrees(theta, 0.0))
                 .to_vec(),
             components: vec![Component::Reflection],
+            channels: None,
             spacing: Spacing::default(),
             u_relative: 0.01,
             u_floor: 2e-4,
@@ -98,19 +101,20 @@ impl Tabulation {
 
 /// Evaluates `model` over the hemispheres asked for, densely about the mirror and the unbent direction.
 ///
-/// One slice an incidence and channel: incidences in their order, channels of the model within each, in the same
+/// One slice an incidence and channel: incidences in their order, channels as asked for within each, in the same
 /// directions. Values are exact (no noise is added); `u_dsf^2 = u_floor^2 + (u_relative dsf)^2`. Directions in which the
 /// model [has no data](Bsdf::has_data) are left out, so that the integrals count them as extrapolated.
 ///
 /// # Errors
 /// [`ScanError::Domain`] for a setting out of its range, and for an incidence at which the model has no data in any
-/// direction.
+/// direction; [`ScanError::Mismatch`] for a channel that the model does not have.
 pub fn tabulate(model: &dyn Bsdf, tabulation: &Tabulation) -> Result<Measurement, ScanError> {
     tabulation.check()?;
+    let channels = channels(model, tabulation)?;
     let slices: Vec<Vec<Slice>> = tabulation
         .incidences
         .par_iter()
-        .map(|&incidence| at_incidence(model, tabulation, incidence))
+        .map(|&incidence| at_incidence(model, tabulation, &channels, incidence))
         .collect::<Result<_, _>>()?;
     Ok(Measurement {
         slices: slices.into_iter().flatten().collect(),
@@ -119,9 +123,29 @@ pub fn tabulate(model: &dyn Bsdf, tabulation: &Tabulation) -> Result<Measurement
     })
 }
 
+/// Places in the model of the channels asked for.
+fn channels(model: &dyn Bsdf, tabulation: &Tabulation) -> Result<Vec<usize>, ScanError> {
+    let there = model.channels();
+    let Some(asked) = &tabulation.channels else {
+        return Ok((0..there.len()).collect());
+    };
+    let place = |channel: &Channel| {
+        there.iter().position(|c| c == channel).ok_or_else(|| {
+            let names: Vec<String> = there.iter().map(Channel::to_string).collect();
+            ScanError::Mismatch {
+                what: "channel".into(),
+                found: channel.to_string(),
+                needed: format!("one of {}", names.join(", ")),
+            }
+        })
+    };
+    asked.iter().map(place).collect()
+}
+
 fn at_incidence(
     model: &dyn Bsdf,
     tabulation: &Tabulation,
+    channels: &[usize],
     incidence: Angles,
 ) -> Result<Vec<Slice>, ScanError> {
     let wi = incidence.direction();
@@ -143,19 +167,18 @@ fn at_incidence(
             "incidences the model has data for",
         ));
     }
-    let n = model.channels().len();
-    let mut f = vec![0.0; n];
-    let mut dsf = vec![Vec::with_capacity(angles.len()); n];
+    let mut f = vec![0.0; model.channels().len()];
+    let mut dsf = vec![Vec::with_capacity(angles.len()); channels.len()];
     for a in &angles {
         let ws = a.direction();
         model.eval(wi, ws, &mut f);
-        for (column, f) in dsf.iter_mut().zip(&f) {
-            column.push(f * ws.cos_theta().abs());
+        for (column, &k) in dsf.iter_mut().zip(channels) {
+            column.push(f[k] * ws.cos_theta().abs());
         }
     }
     dsf.into_iter()
-        .zip(model.channels())
-        .map(|(dsf, &channel)| {
+        .zip(channels)
+        .map(|(dsf, &k)| {
             let u_dsf: Vec<f64> = dsf
                 .iter()
                 .map(|d| tabulation.u_floor.hypot(tabulation.u_relative * d))
@@ -163,7 +186,7 @@ fn at_incidence(
             let flags = dsf.iter().zip(&u_dsf).map(|(d, u)| flag(*d, *u)).collect();
             let mut slice = Slice {
                 incidence,
-                channel,
+                channel: model.channels()[k],
                 theta_s: angles.iter().map(|a| a.theta).collect(),
                 phi_s: angles.iter().map(|a| a.phi).collect(),
                 dsf,

@@ -136,6 +136,24 @@ fn the_lit_side_and_the_component_choose_the_hemisphere() {
 }
 
 #[test]
+fn channels_are_taken_by_name() {
+    let tabulation = Tabulation {
+        channels: Some(vec![Channel::Blue]),
+        ..Tabulation::default()
+    };
+    let all = tabulate(&LOBE, &Tabulation::default()).unwrap();
+    let blue = tabulate(&LOBE, &tabulation).unwrap();
+    let expected: Vec<_> = all.slices.into_iter().skip(1).step_by(2).collect();
+    assert_eq!(blue.slices, expected);
+    let tabulation = Tabulation {
+        channels: Some(vec![Channel::Green]),
+        ..Tabulation::default()
+    };
+    let text = tabulate(&LOBE, &tabulation).unwrap_err().to_string();
+    assert!(text.contains("green") && text.contains("red, blue"), "{text}");
+}
+
+#[test]
 fn settings_out_of_range_are_refused_by_name() {
     type Spoil = fn(&mut Tabulation);
     let cases: [(&str, Spoil); 10] = [
