@@ -25,7 +25,7 @@ def write_tensor_file(path, fields):
 
 
 def synthetic(phi_i, channels, *, seed=1):
-    """Fields of a material of smooth tables without meaning."""
+    """Fields of a material of smooth tables without meaning; one or two azimuths make it isotropic."""
     rng = np.random.default_rng(seed)
 
     def smooth(*shape):
@@ -37,8 +37,6 @@ def synthetic(phi_i, channels, *, seed=1):
     n_p, n_t = len(phi_i), 5
     vndf = smooth(n_p, n_t, 16, 24) * np.linspace(0, 1, 24) ** 3
     sigma = 0.2 + smooth(8, 9)
-    if n_p == 1:
-        sigma[:] = sigma[0]  # of an isotropic material it cannot depend on the azimuth
     fields = {
         "phi_i": np.array(phi_i),
         "theta_i": np.linspace(0, np.pi / 2, n_t),
@@ -50,6 +48,10 @@ def synthetic(phi_i, channels, *, seed=1):
     }
     if channels is not None:
         fields["wavelengths"] = np.array(channels)
+    if n_p <= 2:
+        for name in ("sigma", "vndf", "luminance", "rgb", "spectra"):
+            if name in fields:
+                fields[name][:] = fields[name][:1]
     fields = {name: a.astype(np.float32) for name, a in fields.items()}
     return {**fields, "jacobian": np.ones(1, np.uint8), "description": np.frombuffer(b"nothing", np.uint8)}
 
