@@ -247,7 +247,10 @@ fn data_end_at_the_last_measured_incidence_and_at_nodes_below_the_horizon() {
         masked[2] += usize::from(!at(46.0, ws));
     }
     // five of nine rows of the second incidence: their weight falls with the angle from it, and below half beyond 45
-    assert!(masked[0] > masked[1] && masked[1] > 100 && masked[2] == 0, "{masked:?}");
+    assert!(
+        masked[0] > masked[1] && masked[1] > 100 && masked[2] == 0,
+        "{masked:?}"
+    );
 }
 
 /// Pearson's statistic of sampled directions against the integral of `pdf` over cells of a hemisphere, in standard
