@@ -94,7 +94,7 @@ fn grid(component: Component, wi: Direction, campaign: &Campaign) -> Vec<(Direct
     all
 }
 
-/// The DSF a Gaussian beam of this full width sees: midpoint rule in the encircled power and in azimuth.
+/// The DSF a Gaussian beam of this full width sees.
 fn seen(dsf: &dyn Fn(Direction) -> f64, d: Direction, fwhm: Option<f64>) -> f64 {
     let Some(fwhm) = fwhm else { return dsf(d) };
     let w = fwhm.to_radians() / (2.0 * 2.0_f64.ln().sqrt());
@@ -102,7 +102,10 @@ fn seen(dsf: &dyn Fn(Direction) -> f64, d: Direction, fwhm: Option<f64>) -> f64 
     let (rings, spokes) = (24, 12);
     let mut sum = 0.0;
     for r in 0..rings {
-        let gamma = w * (-(1.0 - (f64::from(r) + 0.5) / f64::from(rings)).ln()).sqrt();
+        // Rings of equal power exp(-g^2/w^2); each at its mean of g^2, so that the second moment is exact.
+        let outside = |k: i32| 1.0 - f64::from(k) / f64::from(rings);
+        let integral = |v: f64| if v > 0.0 { v - v * v.ln() } else { 0.0 };
+        let gamma = w * ((integral(outside(r)) - integral(outside(r + 1))) * f64::from(rings)).sqrt();
         for s in 0..spokes {
             let psi = std::f64::consts::TAU * (f64::from(s) + 0.5 * f64::from(r % 2)) / f64::from(spokes);
             let v = d.vec() * gamma.cos() + (a * psi.cos() + b * psi.sin()) * gamma.sin();
