@@ -1,5 +1,7 @@
 //! What the laws are tested on.
 
+use std::sync::LazyLock;
+
 use gonio_bsdf::analytic::{Family, Sum, families, family};
 use gonio_bsdf::{Bsdf, Channel, RadianceMaterial};
 use gonio_geom::Direction;
@@ -30,15 +32,17 @@ pub(crate) fn chosen() -> Vec<&'static dyn Family> {
 }
 
 /// Every registered model, sum and Radiance material.
-pub(crate) fn everything() -> Vec<Case> {
-    let mut cases = registered();
-    cases.extend(sums());
-    cases.extend(materials());
-    cases
+pub(crate) fn everything() -> impl Iterator<Item = &'static Case> {
+    registered().iter().chain(sums()).chain(materials())
 }
 
 /// Every family with every setting.
-pub(crate) fn registered() -> Vec<Case> {
+pub(crate) fn registered() -> &'static [Case] {
+    static CASES: LazyLock<Vec<Case>> = LazyLock::new(make_registered);
+    &CASES
+}
+
+fn make_registered() -> Vec<Case> {
     let mut cases = Vec::new();
     for f in chosen() {
         for setting in settings(f.info()) {
@@ -61,7 +65,12 @@ pub(crate) fn narrowest(f: &dyn Family, values: &[f64]) -> f64 {
 }
 
 /// Sums of models: two parts, both components, three channels, many lobes, one part alone.
-pub(crate) fn sums() -> Vec<Case> {
+pub(crate) fn sums() -> &'static [Case] {
+    static CASES: LazyLock<Vec<Case>> = LazyLock::new(make_sums);
+    &CASES
+}
+
+fn make_sums() -> Vec<Case> {
     let photopic = |name: &str, p: &[f64]| model(name, &[(Channel::Photopic, p.to_vec())]);
     let colours = |name: &str, red: &[f64], green: &[f64], blue: &[f64]| {
         model(
@@ -128,7 +137,12 @@ pub(crate) fn sums() -> Vec<Case> {
 }
 
 /// Radiance materials of every type: with lobes, with ideal parts, with both.
-pub(crate) fn materials() -> Vec<Case> {
+pub(crate) fn materials() -> &'static [Case] {
+    static CASES: LazyLock<Vec<Case>> = LazyLock::new(make_materials);
+    &CASES
+}
+
+fn make_materials() -> Vec<Case> {
     let list: [(&str, &str, &[f64], f64); 16] = [
         ("plastic", "", &[0.0, 0.4, 0.8, 0.05, 0.1], 0.1),
         ("plastic", "", &[0.2, 0.4, 0.8, 0.05, 0.0], 1.0),

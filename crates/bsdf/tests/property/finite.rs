@@ -64,7 +64,7 @@ fn at_the_ends() -> Vec<Case> {
 #[test]
 fn values_and_densities_are_finite_and_not_negative_everywhere() {
     let fixed = extreme_pairs();
-    for case in at_the_ends().iter().chain(&sums()).chain(&materials()) {
+    for case in at_the_ends().iter().chain(sums()).chain(materials()) {
         let n = case.model.channels().len();
         for (a, b) in fixed.iter().copied().chain(pairs(case.width, 21, 300)) {
             let mut f = vec![f64::NAN; n];
@@ -128,7 +128,7 @@ fn sampling_with_numbers_at_the_ends_of_their_range_gives_a_direction_or_none() 
         1.0 - 1e-9,
         1.0 - f64::EPSILON / 2.0,
     ];
-    for case in &everything() {
+    for case in everything() {
         for w in extremes() {
             for u in ends
                 .iter()

@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-10;
 #[test]
 fn exchanging_source_and_receiver_leaves_every_reciprocal_model_unchanged() {
     let mut tried = 0;
-    for case in &everything() {
+    for case in everything() {
         if !case.model.properties().reciprocal {
             continue;
         }

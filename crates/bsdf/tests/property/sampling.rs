@@ -14,7 +14,7 @@ const THETAS: [f64; 5] = [0.0, 35.0, 70.0, 88.0, 140.0];
 #[test]
 fn a_weight_is_the_value_times_the_cosine_over_the_density() {
     let mut rng = Pcg64Mcg::seed_from_u64(31);
-    for case in &everything() {
+    for case in everything() {
         let model = case.model.as_ref();
         let mut drawn = 0;
         for wi in incidences(model, &THETAS) {
