@@ -2,11 +2,11 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use gonio_geom::{Component, Direction, Side};
 
-use crate::Bsdf;
+use crate::{Bsdf, Lobe};
 
 /// An integral with a bound on its numerical error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,9 +20,10 @@ pub struct Integral {
 /// `integral f |cos_s| domega_s` over the hemisphere that `component` names, for channel number `channel`, the ideal
 /// part of the model included ([`Bsdf::delta`]).
 ///
-/// Accurate to 1e-6 for lobes of `alpha >= 0.02` about the mirror or the unbent direction; piecewise constant models
-/// stop at a few parts in 1e5 (see [`hemispherical_integral`] for the error). A `wi` on the horizon
-/// (`cos_theta() == 0`) gives 0. `channel` past the model's channels gives NaN.
+/// Accurate to 1e-6 for lobes of `alpha >= 0.005` about any direction that the model's own sampler finds, and about the
+/// mirror and the unbent direction whatever the sampler; piecewise constant models stop at a few parts in 1e5 (see
+/// [`hemispherical_integral`] for the error). A `wi` on the horizon (`cos_theta() == 0`) gives 0. `channel` past the
+/// model's channels gives NaN.
 pub fn directional_albedo(model: &dyn Bsdf, wi: Direction, component: Component, channel: usize) -> f64 {
     let n = model.channels().len();
     if channel >= n {
@@ -31,15 +32,22 @@ pub fn directional_albedo(model: &dyn Bsdf, wi: Direction, component: Component,
     let side = component.scattered_side(wi.side());
     let mut shares = vec![0.0; n];
     model.delta(wi, component, &mut shares);
-    if n == 1 {
-        let broad = hemispherical_integral(wi, side, |ws| model.eval_first(wi, ws) * ws.cos_theta().abs());
-        return broad.value + shares[0];
-    }
-    let broad = hemispherical_integral(wi, side, |ws| {
-        let mut f = vec![0.0; n];
-        model.eval(wi, ws, &mut f);
-        f[channel] * ws.cos_theta().abs()
-    });
+    let hints: Vec<Direction> = (0..HINTS)
+        .filter_map(|k| model.sample(wi, scattered_point(k)))
+        .filter(|s| s.lobe != Lobe::Delta && s.direction.side() == side)
+        .map(|s| s.direction)
+        .collect();
+    let broad = if n == 1 {
+        integrate(wi, side, &hints, |ws| {
+            model.eval_first(wi, ws) * ws.cos_theta().abs()
+        })
+    } else {
+        integrate(wi, side, &hints, |ws| {
+            let mut f = vec![0.0; n];
+            model.eval(wi, ws, &mut f);
+            f[channel] * ws.cos_theta().abs()
+        })
+    };
     broad.value + shares[channel]
 }
 
@@ -47,104 +55,159 @@ pub fn directional_albedo(model: &dyn Bsdf, wi: Direction, component: Component,
 const TOLERANCE: f64 = 1e-7;
 /// Most boxes to evaluate before the result is returned with the error it has.
 const MAX_BOXES: usize = 20_000;
+/// Size of the first boxes at the mirror or unbent direction, radians; farther off they grow with the distance.
+const CENTRE: f64 = 0.004;
+/// Samples that show where a lobe lies between the nodes of the first boxes.
+const HINTS: u32 = 256;
 
 /// `integral g(ws) domega_s` over the hemisphere `side`, subdivided about the mirror or unbent direction of `wi`.
 ///
-/// Nested Gauss-Kronrod products in `(theta, phi)` [Piessens1983], boxes of largest error halved in both coordinates
-/// until the error sum is below 1e-7 or 20 000 boxes have been evaluated.
+/// Nested Gauss-Kronrod products in `(theta, phi)` [Piessens1983], boxes of largest error halved along the coordinate
+/// that has more of it until the error sum is below 1e-7 or 20 000 boxes have been evaluated.
 pub fn hemispherical_integral(wi: Direction, side: Side, g: impl Fn(Direction) -> f64) -> Integral {
+    integrate(wi, side, &[], g)
+}
+
+/// Point `k` of an even sequence in the unit cube: multiples of the powers of the root of `x^4 = x + 1`.
+fn scattered_point(k: u32) -> [f64; 3] {
+    const ROOT: f64 = 1.220_744_084_605_759_5;
+    [1, 2, 3].map(|power| (0.5 + f64::from(k + 1) / ROOT.powi(power)).fract())
+}
+
+/// [`hemispherical_integral`] that also looks at `hints`, directions where `g` may be large.
+fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Direction) -> f64) -> Integral {
     let (theta_0, phi_0) = (wi.theta().min(PI - wi.theta()), wi.phi() + PI);
     let integrand = |theta: f64, dphi: f64| {
         let d = Direction::from_spherical(theta, phi_0 + dphi);
         let ws = if side == Side::Front { d } else { d.flipped() };
         g(ws) * theta.sin()
     };
-    let steps = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
-    let mut thetas = vec![0.0, theta_0, FRAC_PI_2];
-    let mut phis = vec![-PI, 0.0, PI];
-    for step in steps {
-        thetas.extend([theta_0 - step, theta_0 + step]);
-        phis.extend([-step, step]);
-    }
-    let thetas = breaks(thetas, 0.0, FRAC_PI_2);
-    let phis = breaks(phis, -PI, PI);
+    let hints: Vec<Hint> = hints
+        .iter()
+        .map(|d| {
+            let theta = d.theta().min(PI - d.theta());
+            let dphi = d.phi() - phi_0;
+            let at = [theta, dphi - TAU * (dphi / TAU).round()];
+            Hint {
+                at,
+                value: integrand(at[0], at[1]),
+            }
+        })
+        .collect();
 
     let mut heap = BinaryHeap::new();
-    let (mut value, mut error) = (0.0, 0.0);
-    let add = |heap: &mut BinaryHeap<Patch>, value: &mut f64, error: &mut f64, theta, phi| {
-        let patch = Patch::evaluate(&integrand, theta, phi);
-        *value += patch.value;
-        *error += patch.error;
-        heap.push(patch);
-    };
-    for t in thetas.windows(2) {
-        for p in phis.windows(2) {
-            add(&mut heap, &mut value, &mut error, (t[0], t[1]), (p[0], p[1]));
-        }
-    }
-    let mut evaluated = heap.len();
-    while error > TOLERANCE && evaluated < MAX_BOXES {
-        let Some(worst) = heap.pop() else { break };
-        value -= worst.value;
-        error -= worst.error;
-        let (t, p) = (worst.theta, worst.phi);
-        let (tm, pm) = (0.5 * (t.0 + t.1), 0.5 * (p.0 + p.1));
-        for theta in [(t.0, tm), (tm, t.1)] {
-            for phi in [(p.0, pm), (pm, p.1)] {
-                add(&mut heap, &mut value, &mut error, theta, phi);
+    let mut error = 0.0;
+    let mut evaluated = 0;
+    let mut first = vec![([0.0, -PI], [FRAC_PI_2, PI])];
+    while let Some((low, high)) = first.pop() {
+        let patch = Patch::evaluate(&integrand, low, high);
+        evaluated += 1;
+        match patch.coarse_axis([theta_0, 0.0], &hints) {
+            Some(axis) if evaluated < MAX_BOXES => first.extend(patch.halves(axis)),
+            _ => {
+                error += patch.error;
+                heap.push(patch);
             }
         }
-        evaluated += 4;
     }
-    // Summed afresh: the running sums carry the rounding of every box that was replaced.
+    while error > TOLERANCE && evaluated < MAX_BOXES {
+        let Some(worst) = heap.pop() else { break };
+        error -= worst.error;
+        for (low, high) in worst.halves(worst.axis) {
+            let patch = Patch::evaluate(&integrand, low, high);
+            error += patch.error;
+            heap.push(patch);
+        }
+        evaluated += 2;
+    }
+    // Summed afresh: the running sum carries the rounding of every box that was replaced.
     Integral {
         value: heap.iter().map(|b| b.value).sum(),
         error: heap.iter().map(|b| b.error).sum(),
     }
 }
 
-/// Sorted distinct break points inside `[low, high]`, both ends included.
-fn breaks(mut points: Vec<f64>, low: f64, high: f64) -> Vec<f64> {
-    points.retain(|p| (low..=high).contains(p));
-    points.sort_by(f64::total_cmp);
-    points.dedup_by(|a, b| (*a - *b).abs() < 1e-12);
-    points
+/// A direction where the integrand may be large, and its value there.
+struct Hint {
+    at: [f64; 2],
+    value: f64,
 }
 
-/// One box of the subdivision.
+/// One box of the subdivision; coordinate 0 is theta, 1 is phi from the mirror direction.
 struct Patch {
-    theta: (f64, f64),
-    phi: (f64, f64),
+    low: [f64; 2],
+    high: [f64; 2],
     value: f64,
     error: f64,
+    /// The coordinate with more of the error.
+    axis: usize,
+    /// Largest value at the nodes.
+    largest: f64,
 }
 
 impl Patch {
-    fn evaluate(g: &impl Fn(f64, f64) -> f64, theta: (f64, f64), phi: (f64, f64)) -> Self {
-        let (tc, th) = (0.5 * (theta.0 + theta.1), 0.5 * (theta.1 - theta.0));
-        let (pc, ph) = (0.5 * (phi.0 + phi.1), 0.5 * (phi.1 - phi.0));
-        let (mut fine, mut coarse) = (0.0, 0.0);
+    fn evaluate(g: &impl Fn(f64, f64) -> f64, low: [f64; 2], high: [f64; 2]) -> Self {
+        let centre = [0, 1].map(|a| 0.5 * (low[a] + high[a]));
+        let half = [0, 1].map(|a| 0.5 * (high[a] - low[a]));
+        // The Kronrod rule in both coordinates, and with the Gauss rule in one of them.
+        let (mut fine, mut coarse_theta, mut coarse_phi) = (0.0, 0.0, 0.0);
+        let mut largest = 0.0_f64;
         for (i, &(xt, wt)) in KRONROD.iter().enumerate() {
-            let (mut row_fine, mut row_coarse) = (0.0, 0.0);
+            let (mut row, mut row_coarse) = (0.0, 0.0);
             for (j, &(xp, wp)) in KRONROD.iter().enumerate() {
-                let v = g(tc + th * xt, pc + ph * xp);
-                row_fine += wp * v;
+                let v = g(centre[0] + half[0] * xt, centre[1] + half[1] * xp);
+                largest = largest.max(v);
+                row += wp * v;
                 if j % 2 == 1 {
                     row_coarse += GAUSS[j / 2] * v;
                 }
             }
-            fine += wt * row_fine;
+            fine += wt * row;
+            coarse_phi += wt * row_coarse;
             if i % 2 == 1 {
-                coarse += GAUSS[i / 2] * row_coarse;
+                coarse_theta += GAUSS[i / 2] * row;
             }
         }
-        let area = th * ph;
+        let area = half[0] * half[1];
+        let errors = [coarse_theta, coarse_phi].map(|c| ((fine - c) * area).abs());
         Patch {
-            theta,
-            phi,
+            low,
+            high,
             value: fine * area,
-            error: ((fine - coarse) * area).abs(),
+            error: errors[0] + errors[1],
+            axis: usize::from(errors[1] > errors[0]),
+            largest,
         }
+    }
+
+    fn halves(&self, axis: usize) -> [([f64; 2], [f64; 2]); 2] {
+        let (mut low, mut high) = (self.low, self.high);
+        let middle = 0.5 * (low[axis] + high[axis]);
+        high[axis] = middle;
+        low[axis] = middle;
+        [(self.low, high), (low, self.high)]
+    }
+
+    /// The coordinate to halve when the box is too coarse for its error to be trusted: large for its distance from
+    /// `centre`, or with a hint inside that towers above its nodes.
+    fn coarse_axis(&self, centre: [f64; 2], hints: &[Hint]) -> Option<usize> {
+        let size = [0, 1].map(|a| self.high[a] - self.low[a]);
+        let width = [size[0], size[1] * (0.5 * (self.low[0] + self.high[0])).sin()];
+        let longer = usize::from(width[1] > width[0]);
+        let distance = [0, 1]
+            .map(|a| (self.low[a] - centre[a]).max(centre[a] - self.high[a]))
+            .into_iter()
+            .fold(0.0, f64::max);
+        if size[1] > 2.0 {
+            return Some(1);
+        }
+        let missed = || {
+            hints.iter().any(|h| {
+                (0..2).all(|a| (self.low[a]..=self.high[a]).contains(&h.at[a]))
+                    && h.value > 2.0 * self.largest
+            })
+        };
+        (width[longer] > CENTRE + distance || (width[longer] > 1e-6 && missed())).then_some(longer)
     }
 }
 

@@ -54,7 +54,7 @@ fn the_ward_gmd_albedo_at_normal_incidence_follows_the_one_dimensional_integral(
     // Along the normal the weight 2 c_s/(1+c_s), c_s = cos(2 delta), is averaged over exp(-tan^2(delta)/alpha^2):
     // with q = tan^2(delta), c_s = (1-q)/(1+q), albedo = integral_0^1 (1-q) exp(-q/alpha^2) dq / alpha^2
     //   = 1 - alpha^2 (1 - exp(-1/alpha^2)).
-    for alpha in [0.02f64, 0.05, 0.1, 0.3, 0.6] {
+    for alpha in [0.002f64, 0.005, 0.02, 0.05, 0.1, 0.3, 0.6] {
         let a2 = alpha * alpha;
         let expected = 1.0 - a2 * (1.0 - (-1.0 / a2).exp());
         let got = directional_albedo(&gmd(alpha), Direction::NORMAL, Component::Reflection, 0);
@@ -68,6 +68,9 @@ fn the_albedo_of_narrow_oblique_lobes_is_the_mean_weight_over_facets() {
     // trapezoid rule, which converges exponentially for a Gaussian.
     let (n, reach) = (1200, 6.5);
     for (alpha_x, alpha_y, deg) in [
+        (0.005, 0.005, 30.0),
+        (0.005, 0.005, 75.0),
+        (0.005, 0.02, 60.0),
         (0.02, 0.02, 60.0),
         (0.02, 0.02, 8.0),
         (0.05, 0.2, 45.0),

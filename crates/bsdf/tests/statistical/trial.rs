@@ -28,7 +28,7 @@ pub(crate) struct Trial {
 }
 
 /// Draws `samples` samples of `sampler` given `w` and compares them with `density` and with the albedo of `model`.
-/// Ideal directions (mirror, unbent) have no density and count as failures.
+/// Ideal directions (mirror, unbent) have no density: but for their weights they count as failures.
 pub(crate) fn run(
     model: &dyn Bsdf,
     sampler: impl Fn(Direction, [f64; 3]) -> Option<Sample>,
@@ -37,9 +37,10 @@ pub(crate) fn run(
     samples: u64,
 ) -> Trial {
     let mut rng = Pcg64Mcg::seed_from_u64(fnv1a(seed));
-    let draw = |rng: &mut Pcg64Mcg| sampler(w, rng.random()).filter(|s| s.lobe != Lobe::Delta);
+    let draw = |rng: &mut Pcg64Mcg| sampler(w, rng.random());
     let pilot: Vec<Direction> = (0..PILOT)
         .filter_map(|_| draw(&mut rng))
+        .filter(|s| s.lobe != Lobe::Delta)
         .map(|s| s.direction)
         .collect();
     let partition = Partition::new(|d| model.pdf(w, d), w, pilot, samples);
@@ -47,10 +48,12 @@ pub(crate) fn run(
     let (mut sum, mut squares, mut accepted) = (0.0, 0.0, 0u64);
     for _ in 0..samples {
         if let Some(s) = draw(&mut rng) {
-            counts[partition.bin(s.direction)] += 1;
             sum += s.weight;
             squares += s.weight * s.weight;
-            accepted += 1;
+            if s.lobe != Lobe::Delta {
+                counts[partition.bin(s.direction)] += 1;
+                accepted += 1;
+            }
         }
     }
     let n = samples as f64;
