@@ -22,14 +22,16 @@ impl Sum {
     /// up to 89 degrees (of four azimuths if it is anisotropic) on both sides, does not.
     pub fn new(parts: Vec<Box<dyn Bsdf>>) -> Result<Self, BsdfError> {
         compatible(&parts)?;
-        // Parts are drawn by their albedo at 30 degrees, none less often than one time in fifty.
+        // Parts are drawn by their albedo at 30 degrees in all channels, none less often than one time in fifty.
         let wi = Direction::from_degrees(30.0, 0.0);
         let albedo: Vec<f64> = parts
             .iter()
             .map(|p| {
-                [Component::Reflection, Component::Transmission]
-                    .map(|c| directional_albedo(p.as_ref(), wi, c, 0))
-                    .iter()
+                (0..p.channels().len())
+                    .flat_map(|channel| {
+                        [Component::Reflection, Component::Transmission]
+                            .map(|c| directional_albedo(p.as_ref(), wi, c, channel))
+                    })
                     .sum()
             })
             .collect();

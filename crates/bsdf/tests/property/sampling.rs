@@ -1,12 +1,13 @@
 //! What a sample says about itself. Whether samples follow their density is the business of tests/statistical.
 
 use gonio_bsdf::albedo::hemispherical_integral;
-use gonio_bsdf::{Bsdf, Lobe};
+use gonio_bsdf::analytic::Sum;
+use gonio_bsdf::{Bsdf, Channel, Lobe};
 use gonio_geom::{Component, Direction, Side};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::cases::{everything, incidences, sums};
+use crate::cases::{everything, incidences, model, sums};
 
 /// Incidences of the weight test, degrees.
 const THETAS: [f64; 5] = [0.0, 35.0, 70.0, 88.0, 140.0];
@@ -83,4 +84,27 @@ fn the_density_of_a_sum_integrates_to_the_share_of_samples_that_succeed() {
             );
         }
     }
+}
+
+#[test]
+fn a_sum_draws_a_part_that_only_a_later_channel_has() {
+    let two = |name: &str, red: &[f64], blue: &[f64]| {
+        model(
+            name,
+            &[(Channel::Red, red.to_vec()), (Channel::Blue, blue.to_vec())],
+        )
+    };
+    let sum = Sum::new(vec![
+        two("lambert", &[0.4], &[0.0]),
+        two("ward-gmd", &[0.0, 0.05], &[0.4, 0.05]),
+    ])
+    .unwrap();
+    let wi = Direction::from_degrees(30.0, 0.0);
+    let mut rng = Pcg64Mcg::seed_from_u64(33);
+    let near = (0..1000)
+        .filter_map(|_| sum.sample(wi, rng.random()))
+        .filter(|s| s.direction.angle_to(wi.mirror()) < 0.3)
+        .count();
+    // Both parts send out about the same: half of the samples, and four per cent of the diffuse ones, are near.
+    assert!((430..600).contains(&near), "{near}");
 }
