@@ -57,15 +57,28 @@ const TOLERANCE: f64 = 1e-7;
 const MAX_BOXES: usize = 20_000;
 /// Size of the first boxes at the mirror or unbent direction, radians; farther off they grow with the distance.
 const CENTRE: f64 = 0.004;
+/// Azimuth from the mirror direction at which the boxes begin and end: off the plane of incidence, where lobes lie.
+const SEAM: f64 = -FRAC_PI_2;
 /// Samples that show where a lobe lies between the nodes of the first boxes.
 const HINTS: u32 = 256;
 
-/// `integral g(ws) domega_s` over the hemisphere `side`, subdivided about the mirror or unbent direction of `wi`.
+/// Directions in the plane of incidence that are searched for a lobe elsewhere, such as refracted light.
+const SEARCHED: u32 = 2048;
+
+/// `integral g(ws) domega_s` over the hemisphere `side`, subdivided about the mirror or unbent direction of `wi` and
+/// about the largest value in the plane of incidence.
 ///
 /// Nested Gauss-Kronrod products in `(theta, phi)` [Piessens1983], boxes of largest error halved along the coordinate
 /// that has more of it until the error sum is below 1e-7 or 20 000 boxes have been evaluated.
 pub fn hemispherical_integral(wi: Direction, side: Side, g: impl Fn(Direction) -> f64) -> Integral {
-    integrate(wi, side, &[], g)
+    let searched = (0..SEARCHED).map(|k| {
+        let theta = PI * ((f64::from(k) + 0.5) / f64::from(SEARCHED) - 0.5);
+        let d = Direction::from_spherical(theta.abs(), wi.phi() + if theta < 0.0 { PI } else { 0.0 });
+        if side == Side::Front { d } else { d.flipped() }
+    });
+    let weight = |d: &Direction| g(*d) * d.theta().sin();
+    let largest = searched.max_by(|a, b| weight(a).total_cmp(&weight(b)));
+    integrate(wi, side, largest.as_slice(), g)
 }
 
 /// Point `k` of an even sequence in the unit cube: multiples of the powers of the root of `x^4 = x + 1`.
@@ -87,7 +100,7 @@ fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Directio
         .map(|d| {
             let theta = d.theta().min(PI - d.theta());
             let dphi = d.phi() - phi_0;
-            let at = [theta, dphi - TAU * (dphi / TAU).round()];
+            let at = [theta, dphi - TAU * ((dphi - SEAM) / TAU).floor()];
             Hint {
                 at,
                 value: integrand(at[0], at[1]),
@@ -98,7 +111,7 @@ fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Directio
     let mut heap = BinaryHeap::new();
     let mut error = 0.0;
     let mut evaluated = 0;
-    let mut first = vec![([0.0, -PI], [FRAC_PI_2, PI])];
+    let mut first = vec![([0.0, SEAM], [FRAC_PI_2, SEAM + TAU])];
     while let Some((low, high)) = first.pop() {
         let patch = Patch::evaluate(&integrand, low, high);
         evaluated += 1;
@@ -189,7 +202,7 @@ impl Patch {
     }
 
     /// The coordinate to halve when the box is too coarse for its error to be trusted: large for its distance from
-    /// `centre`, or with a hint inside that towers above its nodes.
+    /// `centre`, or with a hint inside or close by that towers above its nodes.
     fn coarse_axis(&self, centre: [f64; 2], hints: &[Hint]) -> Option<usize> {
         let size = [0, 1].map(|a| self.high[a] - self.low[a]);
         let width = [size[0], size[1] * (0.5 * (self.low[0] + self.high[0])).sin()];

@@ -4,6 +4,7 @@
 
 use std::f64::consts::PI;
 
+use gonio_bsdf::albedo::hemispherical_integral;
 use gonio_bsdf::analytic::{Analytic, Lambert, Spectrum, WardGmd, WardGmdIsotropic};
 use gonio_bsdf::directional_albedo;
 use gonio_geom::{Component, Direction};
@@ -97,5 +98,18 @@ fn the_albedo_of_narrow_oblique_lobes_is_the_mean_weight_over_facets() {
             (got - mean).abs() < 1e-6,
             "{alpha_x} {alpha_y} {deg}: {got}, {mean}"
         );
+    }
+}
+
+#[test]
+fn a_narrow_lobe_away_from_the_mirror_direction_is_found() {
+    // A von Mises-Fisher density of width .004, concentration 2/.004^2, about a direction in the plane of incidence.
+    let wi = Direction::from_degrees(50.0, 200.0);
+    for (theta, phi) in [(31.0, 20.0), (14.0, 200.0), (150.0, 20.0)] {
+        let axis = Direction::from_degrees(theta, phi);
+        let a2 = 0.004f64.powi(2);
+        let density = |d: Direction| (-(d.vec() - axis.vec()).length_squared() / a2).exp() / (PI * a2);
+        let got = hemispherical_integral(wi, axis.side(), density);
+        assert!((got.value - 1.0).abs() < 1e-6, "{theta}: {got:?}");
     }
 }
