@@ -15,7 +15,11 @@ from gonio._native import GonioError, Scan, Slice
 from gonio.files import sha256
 from gonio.measurement import JSON_NAME, Measurement
 from gonio.model_files import ModelSummary
+from gonio.radiance_materials import read_materials
 from gonio.readings import PathLike, read_file
+
+MATERIAL_SUFFIXES = (".rad", ".mat")
+"""Names of Radiance scenes end in these; their text has no mark of its own at the beginning."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +58,23 @@ class RecordSummary:
 
 
 @dataclass(frozen=True)
+class MaterialSummary:
+    """One material of a Radiance scene."""
+
+    type: str
+    id: str
+    modifier: str
+    line: int
+    parameters: dict[str, float]
+    strings: list[str]
+
+
+@dataclass(frozen=True)
 class FileSummary:
-    """One file with its records, in file order, or its model; a name is None where the file states none."""
+    """One file with its records, in file order, its model or its materials.
+
+    A name is None where the file states none, `materials` where the file is not a Radiance scene.
+    """
 
     path: str
     format: str
@@ -65,6 +84,7 @@ class FileSummary:
     sample_name: str | None = None
     instrument: str | None = None
     model: ModelSummary | None = None
+    materials: list[MaterialSummary] | None = None
 
 
 @dataclass(frozen=True)
@@ -128,7 +148,7 @@ def inspect(
     upphi: float | None = None,
     keep_going: bool = False,
 ) -> Inspection:
-    """Summarise reading files, measurement directories and models (Radiance BSDF XML, RGL).
+    """Summarise reading files, measurement directories, models (BSDF XML, RGL) and Radiance materials.
 
     Parameters
     ----------
@@ -175,6 +195,18 @@ def _summary(path: Path, options: Mapping[str, Any]) -> FileSummary:
             sha256=sha256(path / JSON_NAME),
             records=[_record(s) for s in measurement.slices],
             sample_name=measurement.sample_name,
+        )
+    if options["format"] is None and path.suffix.lower() in MATERIAL_SUFFIXES:
+        return FileSummary(
+            path=os.fspath(path),
+            format="radiance-material",
+            bytes=path.stat().st_size,
+            sha256=sha256(path),
+            records=[],
+            materials=[
+                MaterialSummary(m.type, m.id, m.modifier, m.line, m.parameters, m.strings)
+                for m in read_materials(path)
+            ],
         )
     kind = model_files.model_format(path) if options["format"] is None else None
     if kind is not None:
@@ -232,7 +264,12 @@ def _record(scan: Scan | Slice) -> RecordSummary:
 def _problems(files: Sequence[FileSummary]) -> list[str]:
     """What stands between these files and `gonio process`, in sentences."""
     records = [r for file in files for r in file.records]
-    problems = [f"{f.path}: holds no record" for f in files if not f.records and f.model is None]
+    problems = [
+        f"{f.path}: holds no record"
+        for f in files
+        if not f.records and f.model is None and f.materials is None
+    ]
+    problems += [f"{f.path}: holds no material" for f in files if f.materials == []]
     problems += [f"{f.path}: a model, not readings: gonio.read_bsdf evaluates it" for f in files if f.model]
     problems += [f"{f.path}: {note}" for f in files if f.model for note in f.model.notes]
     quantities = list(dict.fromkeys(r.quantity for r in records))

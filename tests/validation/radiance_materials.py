@@ -136,7 +136,7 @@ def width(parameters: Mapping[str, float]) -> float:
 
 
 def draw(kind: str, make: Callable[[np.random.Generator], dict[str, float]], n: int, seed: int) -> Case:
-    """n random materials and pairs of directions: half of the pairs near the axis of a lobe, the others anywhere.
+    """n random materials and pairs of directions, half of them near the axis of a lobe, the others anywhere.
 
     The source stands on the world's z axis: the third column of a frame is its direction in that frame.
     """

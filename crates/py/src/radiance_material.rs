@@ -25,7 +25,7 @@ pub(crate) struct RadianceMaterial(NamedMaterial);
 
 impl RadianceMaterial {
     /// `material` under the name `id`, without a modifier.
-    #[expect(dead_code, reason = "the binding of the fit makes materials with it")]
+    #[allow(dead_code, reason = "for bindings that make materials, as the fit does")]
     pub(crate) fn named(id: &str, material: Material) -> Self {
         RadianceMaterial(NamedMaterial {
             id: id.into(),

@@ -10,13 +10,16 @@ import typer
 import gonio
 from gonio.cli.reading import Channel, Columns, Format, Quantity, UpPhi, column_map
 from gonio.cli.running import Json, err, one_line, out, print_json
-from gonio.inspecting import FileSummary, RecordSummary
+from gonio.inspecting import FileSummary, MaterialSummary, RecordSummary
 from gonio.model_files import ComponentSummary
 
 
 def inspect(
     files: Annotated[
-        list[Path], typer.Argument(help="Reading files, measurement directories, models (BSDF XML, RGL).")
+        list[Path],
+        typer.Argument(
+            help="Reading files, measurement directories, models (BSDF XML, RGL), materials (.rad)."
+        ),
     ],
     format: Format = None,
     column: Columns = None,
@@ -53,7 +56,10 @@ def inspect(
 
 
 def _show(file: FileSummary) -> None:
-    if file.model is None:
+    if file.materials is not None:
+        rows = [_material(m) for m in file.materials]
+        held = _count(len(rows), "material")
+    elif file.model is None:
         rows = [_row(record) for record in file.records]
         held = _count(len(rows), "record")
     else:
@@ -74,6 +80,12 @@ def _show(file: FileSummary) -> None:
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _material(m: MaterialSummary) -> list[str]:
+    values = " ".join(f"{name} {value:g}" for name, value in m.parameters.items())
+    modified = "" if m.modifier == "void" else f"modified by {m.modifier}"
+    return [m.id, m.type, values, " ".join(m.strings), modified]
 
 
 def _component(c: ComponentSummary) -> list[str]:
