@@ -5,6 +5,7 @@
 
 pub mod albedo;
 pub mod analytic;
+pub mod batch;
 pub mod channel;
 pub mod components;
 pub mod error;

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use gonio_geom::{Component, DVec3, Direction, Side};
 
 use crate::Channel;
+use crate::batch::{Directions, SampleColumns, eval_each, sample_each};
 
 /// What a model promises; a model that breaks a law by design says so here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,5 +123,30 @@ pub trait Bsdf: Send + Sync {
             pdf,
             lobe: Lobe::Diffuse,
         })
+    }
+
+    /// [`Bsdf::eval`] of many pairs in single precision: one row of `f` a channel, one entry a pair. Lengths that do
+    /// not match panic.
+    ///
+    /// Analytic models are within 2e-6 relative (times one more than the exponent of the lobe, where that is large) of
+    /// double precision at the same vectors; the default goes through [`Bsdf::eval`] and rounds.
+    fn eval_f32(&self, wi: Directions<'_, f32>, ws: Directions<'_, f32>, f: &mut [&mut [f32]]) {
+        eval_each(self, wi, ws, f);
+    }
+
+    /// [`Bsdf::eval_f32`] in double precision.
+    fn eval_f64(&self, wi: Directions<'_, f64>, ws: Directions<'_, f64>, f: &mut [&mut [f64]]) {
+        eval_each(self, wi, ws, f);
+    }
+
+    /// [`Bsdf::sample`] for columns of uniform numbers `u`, with the weight of every channel (of the first alone for an
+    /// ideal direction; NaN for the others). The same `u` give the same directions as one by one, up to rounding.
+    fn sample_f32(&self, w: Directions<'_, f32>, u: [&[f32]; 3], out: &mut SampleColumns<'_, f32>) {
+        sample_each(self, w, u, out);
+    }
+
+    /// [`Bsdf::sample_f32`] in double precision.
+    fn sample_f64(&self, w: Directions<'_, f64>, u: [&[f64]; 3], out: &mut SampleColumns<'_, f64>) {
+        sample_each(self, w, u, out);
     }
 }

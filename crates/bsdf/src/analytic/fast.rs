@@ -4,11 +4,12 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Real;
 
-/// A number whose `exp`, `ln` and `powf` are straight-line code.
+/// A number whose functions are straight-line code (but `erf` in double precision).
 ///
 /// `Fast<f64>` agrees with the library functions to 1e-14 relative, `Fast<f32>` to 3e-7, for arguments whose result
 /// is a normal number. Below that `exp` gives the smallest normal numbers or 0, above it stays finite; `ln` of zero
-/// or of a negative number is some finite number, so a formula selects around it.
+/// or of a negative number is some finite number, so a formula selects around it. Sine and cosine are within 3e-16 and
+/// 1.5e-7 for arguments up to 1e6 and 1e4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(transparent)]
 pub struct Fast<T>(pub T);
@@ -80,12 +81,31 @@ macro_rules! plain_methods {
         fn sqrt(self) -> Self {
             Fast(self.0.sqrt())
         }
-        #[inline(always)]
-        fn sin_cos(self) -> (Self, Self) {
-            let (s, c) = self.0.sin_cos();
-            (Fast(s), Fast(c))
-        }
     };
+}
+
+/// Sine and cosine of `quarters pi/2 + r` from those of `r`, `|r| <= pi/4`.
+macro_rules! turned {
+    ($quarters:expr, $sin:expr, $cos:expr) => {{
+        let q = $quarters;
+        let (a, b) = if q & 1 == 0 { ($sin, $cos) } else { ($cos, $sin) };
+        (
+            Fast(if q & 2 == 0 { a } else { -a }),
+            Fast(if q.wrapping_add(1) & 2 == 0 { b } else { -b }),
+        )
+    }};
+}
+
+/// `c[0] + c[1] x + ...`.
+macro_rules! polynomial {
+    ($x:expr, $first:expr, $($c:expr),+) => {{
+        let x = $x;
+        let mut p = $first;
+        for c in [$($c),+] {
+            p = p * x + c;
+        }
+        p
+    }};
 }
 
 /// `x` in `[low, high]` without a branch.
@@ -165,6 +185,44 @@ impl Real for Fast<f64> {
     fn erf(self) -> Self {
         Fast(libm::erf(self.0))
     }
+
+    /// `n pi/2 + r` with pi/2 in three parts, then the Taylor sums to order 15 and 16.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+        // 33, 33 and 53 bits of pi/2: products with n below 2^20 are exact but for the last.
+        const HIGH: f64 = 1.570_796_326_734_125_6;
+        const MIDDLE: f64 = 6.077_100_506_303_966e-11;
+        const LOW: f64 = 2.022_266_248_795_950_7e-21;
+        let shifted = self.0 * std::f64::consts::FRAC_2_PI + ROUND;
+        let n = shifted - ROUND;
+        let r = ((self.0 - n * HIGH) - n * MIDDLE) - n * LOW;
+        let r2 = r * r;
+        let sin = polynomial!(
+            r2,
+            -1.0 / 1_307_674_368_000.0,
+            1.0 / 6_227_020_800.0,
+            -1.0 / 39_916_800.0,
+            1.0 / 362_880.0,
+            -1.0 / 5_040.0,
+            1.0 / 120.0,
+            -1.0 / 6.0
+        );
+        let sin = r + r * r2 * sin;
+        let cos = polynomial!(
+            r2,
+            1.0 / 20_922_789_888_000.0,
+            -1.0 / 87_178_291_200.0,
+            1.0 / 479_001_600.0,
+            -1.0 / 3_628_800.0,
+            1.0 / 40_320.0,
+            -1.0 / 720.0,
+            1.0 / 24.0,
+            -0.5
+        );
+        let cos = 1.0 + r2 * cos;
+        turned!(shifted.to_bits(), sin, cos)
+    }
 }
 
 impl Real for Fast<f32> {
@@ -214,6 +272,32 @@ impl Real for Fast<f32> {
         let y = 1.0 - p * Fast(-x * x).exp().0;
         Fast(if self.0 < 0.0 { -y } else { y })
     }
+
+    /// `n pi/2 + r` with pi/2 in three parts, then the Taylor sums to order 9 and 10.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        const ROUND: f32 = 12_582_912.0; // 1.5 * 2^23
+        // 11, 11 and 24 bits of pi/2: products with n below 2^13 are exact but for the last.
+        const HIGH: f32 = 1.570_312_5;
+        const MIDDLE: f32 = 4.837_513e-4;
+        const LOW: f32 = 7.549_79e-8;
+        let shifted = self.0 * std::f32::consts::FRAC_2_PI + ROUND;
+        let n = shifted - ROUND;
+        let r = ((self.0 - n * HIGH) - n * MIDDLE) - n * LOW;
+        let r2 = r * r;
+        let sin = polynomial!(r2, 1.0 / 362_880.0, -1.0 / 5_040.0, 1.0 / 120.0, -1.0 / 6.0);
+        let sin = r + r * r2 * sin;
+        let cos = polynomial!(
+            r2,
+            -1.0 / 3_628_800.0,
+            1.0 / 40_320.0,
+            -1.0 / 720.0,
+            1.0 / 24.0,
+            -0.5
+        );
+        let cos = 1.0 + r2 * cos;
+        turned!(shifted.to_bits(), sin, cos)
+    }
 }
 
 #[cfg(test)]
@@ -248,6 +332,28 @@ mod tests {
                 "{z}"
             );
         }
+    }
+
+    #[test]
+    fn fast_sines_and_cosines_keep_their_stated_accuracy() {
+        let mut x = 1e-3_f64;
+        while x < 1e6 {
+            for x in [x, -x] {
+                let (s, c) = Fast(x).sin_cos();
+                assert!(
+                    (s.0 - x.sin()).abs() < 3e-16 && (c.0 - x.cos()).abs() < 3e-16,
+                    "{x}"
+                );
+                let y = (0.01 * x) as f32;
+                let (s, c) = Fast(y).sin_cos();
+                let exact = f64::from(y).sin_cos();
+                assert!((f64::from(s.0) - exact.0).abs() < 1.5e-7, "{y}");
+                assert!((f64::from(c.0) - exact.1).abs() < 1.5e-7, "{y}");
+            }
+            x *= 1.0013;
+        }
+        assert_eq!(Fast(0.0_f32).sin_cos(), (Fast(0.0), Fast(1.0)));
+        assert_eq!(Fast(0.0_f64).sin_cos(), (Fast(0.0), Fast(1.0)));
     }
 
     #[test]

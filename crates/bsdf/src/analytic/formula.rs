@@ -36,4 +36,13 @@ pub trait Formula: Send + Sync + 'static {
 
     /// Whether samples count as [`crate::Lobe::Diffuse`]; otherwise they are glossy.
     const DIFFUSE: bool = false;
+
+    /// Whether [`Formula::sample_lanes`] is there; otherwise batches are sampled one by one.
+    const SAMPLES_LANES: bool = false;
+
+    /// [`Formula::sample`] and its [`Formula::pdf`] without branches: the same direction from the same `u`. A failed
+    /// sample has density 0 and any direction. Mark it `#[inline(always)]`.
+    fn sample_lanes<R: Real<Plain = R>>(_shape: &Self::Shape<R>, w: [R; 3], _u: [R; 3]) -> ([R; 3], R) {
+        (w, R::constant(0.0))
+    }
 }

@@ -63,14 +63,18 @@ static TRANSMISSION: ModelInfo = ModelInfo {
     breaks: &[],
 };
 
+/// A cosine-weighted direction of `z >= 0`.
+#[inline(always)]
+pub(super) fn cosine_lanes<R: Real<Plain = R>>(u: [R; 3]) -> [R; 3] {
+    let r = u[0].sqrt();
+    let (sin, cos) = (u[1] * (2.0 * PI)).sin_cos();
+    let z = (R::constant(1.0) - u[0]).max(R::constant(0.0)).sqrt();
+    [r * cos, r * sin, z]
+}
+
 /// A cosine-weighted direction of `z > 0`.
 pub(crate) fn cosine_direction(u: [f64; 3]) -> Option<Direction> {
-    let (r, phi) = (u[0].sqrt(), 2.0 * PI * u[1]);
-    let z = (1.0 - u[0]).max(0.0).sqrt();
-    if z <= 0.0 {
-        return None;
-    }
-    Direction::new(DVec3::new(r * phi.cos(), r * phi.sin(), z))
+    Direction::new(DVec3::from_array(cosine_lanes(u))).filter(|s| s.cos_theta() > 0.0)
 }
 
 /// The density of [`cosine_direction`].
@@ -100,6 +104,14 @@ impl Formula for LambertReflection {
     fn sample(_shape: &f64, _w: Direction, u: [f64; 3]) -> Option<Direction> {
         cosine_direction(u)
     }
+
+    const SAMPLES_LANES: bool = true;
+
+    #[inline(always)]
+    fn sample_lanes<R: Real<Plain = R>>(_shape: &R, _w: [R; 3], u: [R; 3]) -> ([R; 3], R) {
+        let s = cosine_lanes(u);
+        (s, s[2] * (1.0 / PI))
+    }
 }
 
 impl Formula for LambertTransmission {
@@ -123,5 +135,13 @@ impl Formula for LambertTransmission {
 
     fn sample(_shape: &f64, _w: Direction, u: [f64; 3]) -> Option<Direction> {
         cosine_direction(u).map(Direction::flipped)
+    }
+
+    const SAMPLES_LANES: bool = true;
+
+    #[inline(always)]
+    fn sample_lanes<R: Real<Plain = R>>(_shape: &R, _w: [R; 3], u: [R; 3]) -> ([R; 3], R) {
+        let s = cosine_lanes(u);
+        ([s[0], s[1], -s[2]], s[2] * (1.0 / PI))
     }
 }

@@ -11,6 +11,7 @@ pub mod formula;
 pub mod harvey_shack;
 pub mod info;
 pub mod lambert;
+mod lanes;
 pub mod model;
 pub mod oren_nayar;
 pub mod pair;

@@ -2,7 +2,8 @@
 
 use gonio_geom::{Component, Direction};
 
-use super::{Formula, Law, Pair, Spectrum, in_range};
+use super::{Formula, Law, Pair, Spectrum, in_range, lanes};
+use crate::batch::{Directions, SampleColumns, sample_each};
 use crate::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
 
 /// The model of formula `F` with one set of parameters a channel.
@@ -169,5 +170,29 @@ impl<F: Formula> Bsdf for Analytic<F> {
             pdf,
             lobe: if F::DIFFUSE { Lobe::Diffuse } else { Lobe::Glossy },
         })
+    }
+
+    fn eval_f32(&self, wi: Directions<'_, f32>, ws: Directions<'_, f32>, f: &mut [&mut [f32]]) {
+        lanes::eval_together::<F>(&self.parameters, wi, ws, f);
+    }
+
+    fn eval_f64(&self, wi: Directions<'_, f64>, ws: Directions<'_, f64>, f: &mut [&mut [f64]]) {
+        lanes::eval::<F, f64>(&self.parameters, wi, ws, f);
+    }
+
+    fn sample_f32(&self, w: Directions<'_, f32>, u: [&[f32]; 3], out: &mut SampleColumns<'_, f32>) {
+        if F::SAMPLES_LANES {
+            lanes::sample_together::<F>(&self.parameters, w, u, out);
+        } else {
+            sample_each(self, w, u, out);
+        }
+    }
+
+    fn sample_f64(&self, w: Directions<'_, f64>, u: [&[f64]; 3], out: &mut SampleColumns<'_, f64>) {
+        if F::SAMPLES_LANES {
+            lanes::sample::<F, f64>(&self.parameters, w, u, out);
+        } else {
+            sample_each(self, w, u, out);
+        }
     }
 }

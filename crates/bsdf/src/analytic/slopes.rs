@@ -56,27 +56,66 @@ impl<R: Real> GaussianSlopes<R> {
     }
 }
 
+impl<R: Real<Plain = R>> GaussianSlopes<R> {
+    /// A facet normal of the distribution, not normalised, `z = 1` [Walter2005, eq. 6 and 7].
+    #[inline(always)]
+    pub fn normal_lanes(&self, u: [R; 3]) -> [R; 3] {
+        // Slopes of a Gaussian: radius sqrt(-ln(1-u)) and an even azimuth, stretched by the two widths.
+        let zero = R::constant(0.0);
+        let r = (-(R::constant(1.0) - u[0]).ln()).max(zero).sqrt();
+        let (sin, cos) = (u[1] * (2.0 * PI)).sin_cos();
+        let (x, y) = (self.alpha_x * r * cos, self.alpha_y * r * sin);
+        let (c, s) = self.axis;
+        [c * x - s * y, s * x + c * y, R::constant(1.0)]
+    }
+
+    /// `w` mirrored in a sampled facet, with its density [Walter2005, eq. 9]; 0 when the facet faces away or the mirrored
+    /// direction goes below.
+    #[inline(always)]
+    pub fn mirrored_lanes(&self, w: [R; 3], u: [R; 3]) -> ([R; 3], R) {
+        let h = self.normal_lanes(u);
+        let (s, facing) = mirror_lanes(w, h);
+        let sum = [w[0] + s[0], w[1] + s[1], w[2] + s[2]];
+        let pdf = R::select(facing.min(s[2]), self.density_about(sum), R::constant(0.0));
+        (s, pdf)
+    }
+
+    /// Density of the mirrored direction `s` of `w` when the facet normal is a sampled one, for `h = w + s` with
+    /// `h.z > 0`: `e / (4 pi alpha_x alpha_y cos^3(h) (w.h))` [Walter2005, eq. 9].
+    #[inline(always)]
+    fn density_about(&self, h: [R; 3]) -> R {
+        // w.h = |h| / 2 and cos(h) = h.z / |h| for the h that is not normalised.
+        let length2 = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
+        self.density(h) * length2 / (h[2] * h[2] * h[2] * 2.0)
+    }
+}
+
 impl GaussianSlopes<f64> {
     /// A facet normal of the distribution, `z > 0` [Walter2005, eq. 6 and 7].
     pub fn sample(&self, u: [f64; 3]) -> DVec3 {
-        // Slopes of a Gaussian: radius sqrt(-ln(1-u)) and an even azimuth, stretched by the two widths.
-        let r = (-(1.0 - u[0]).ln()).max(0.0).sqrt();
-        let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
-        let (x, y) = (self.alpha_x * r * cos, self.alpha_y * r * sin);
-        let (c, s) = self.axis;
-        DVec3::new(c * x - s * y, s * x + c * y, 1.0).normalize()
+        DVec3::from_array(self.normal_lanes(u)).normalize()
     }
 
-    /// Density of the mirrored direction `s` of `w` when the facet normal is drawn by [`GaussianSlopes::sample`]:
-    /// `e / (4 pi alpha_x alpha_y cos^3(h) (w.h))` [Walter2005, eq. 9].
+    /// Density of the mirrored direction `s` of `w` when the facet normal is drawn by [`GaussianSlopes::sample`]
+    /// [Walter2005, eq. 9].
     pub fn mirrored_density(&self, w: Direction, s: Direction) -> f64 {
         let h = w.vec() + s.vec();
         if h.z <= 0.0 {
             return 0.0;
         }
-        // w.h = |h| / 2 and cos(h) = h.z / |h| for the h that is not normalised.
-        self.density(h.to_array()) * h.length_squared() / (2.0 * h.z.powi(3))
+        self.density_about(h.to_array())
     }
+}
+
+/// `w` mirrored in a facet of normal `h` (of any length), and the cosine between the two times that length.
+#[inline(always)]
+pub(super) fn mirror_lanes<R: Real<Plain = R>>(w: [R; 3], h: [R; 3]) -> ([R; 3], R) {
+    let facing = w[0] * h[0] + w[1] * h[1] + w[2] * h[2];
+    let factor = facing * 2.0 / (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+    (
+        [h[0] * factor - w[0], h[1] * factor - w[1], h[2] * factor - w[2]],
+        facing,
+    )
 }
 
 /// `w` mirrored in a facet of normal `h`; `None` when the facet faces away or the mirrored direction goes below.

@@ -3,6 +3,8 @@
 use gonio_geom::{Component, Direction};
 
 use crate::albedo::directional_albedo;
+use crate::batch::{Directions, Number};
+
 use crate::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
 
 /// Adds models that answer for the same channels, as plastic adds a diffuse part and a gloss lobe.
@@ -12,6 +14,9 @@ pub struct Sum {
     cumulative: Vec<f64>,
     properties: Properties,
 }
+
+/// Pairs that the parts are evaluated at together.
+const STRETCH: usize = 1024;
 
 /// Polar angles of incidence, degrees, at which the albedo of a sum is checked.
 const CHECKED: [f64; 8] = [0.0, 20.0, 40.0, 60.0, 70.0, 80.0, 85.0, 89.0];
@@ -105,6 +110,30 @@ impl Sum {
                 })
             })
         })
+    }
+
+    /// Every part in turn over stretches of pairs that stay in the cache.
+    fn eval_batch<T: Number>(&self, wi: Directions<'_, T>, ws: Directions<'_, T>, f: &mut [&mut [T]]) {
+        let n = f.first().map_or(0, |row| row.len());
+        let mut term = vec![T::default(); STRETCH.min(n) * f.len()];
+        for start in (0..n).step_by(STRETCH) {
+            let range = start..(start + STRETCH).min(n);
+            let (wi, ws) = (wi.range(range.clone()), ws.range(range.clone()));
+            let mut rows: Vec<&mut [T]> = f.iter_mut().map(|row| &mut row[range.clone()]).collect();
+            for (k, part) in self.parts.iter().enumerate() {
+                if k == 0 {
+                    T::eval(part.as_ref(), wi, ws, &mut rows);
+                    continue;
+                }
+                let mut terms: Vec<&mut [T]> = term.chunks_mut(range.len()).take(rows.len()).collect();
+                T::eval(part.as_ref(), wi, ws, &mut terms);
+                for (row, term) in rows.iter_mut().zip(&terms) {
+                    for (f, t) in row.iter_mut().zip(term.iter()) {
+                        *f = T::of(f.fast() + t.fast());
+                    }
+                }
+            }
+        }
     }
 
     fn probability(&self, k: usize) -> f64 {
@@ -233,5 +262,13 @@ impl Bsdf for Sum {
         let pdf = Bsdf::pdf(self, w, drawn.direction);
         let weight = self.eval_first(w, drawn.direction) * drawn.direction.cos_theta().abs() / pdf;
         (pdf > 0.0 && weight.is_finite()).then_some(Sample { weight, pdf, ..drawn })
+    }
+
+    fn eval_f32(&self, wi: Directions<'_, f32>, ws: Directions<'_, f32>, f: &mut [&mut [f32]]) {
+        self.eval_batch(wi, ws, f);
+    }
+
+    fn eval_f64(&self, wi: Directions<'_, f64>, ws: Directions<'_, f64>, f: &mut [&mut [f64]]) {
+        self.eval_batch(wi, ws, f);
     }
 }
