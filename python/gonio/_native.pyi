@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, final
+from typing import Any, Literal, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -205,6 +205,16 @@ class Bsdf:
         self, *, theta_i: ArrayLike, phi_i: ArrayLike, component: str, channel: str | None = None
     ) -> dict[str, NDArray[np.float64]]: ...
     def sample(self, *, theta_i: float, phi_i: float, u: ArrayLike) -> dict[str, NDArray[Any]]: ...
+    @overload
+    def eval_directions(self, *, wi: ArrayLike, ws: NDArray[np.float32]) -> NDArray[np.float32]: ...
+    @overload
+    def eval_directions(self, *, wi: ArrayLike, ws: ArrayLike) -> NDArray[np.float64]: ...
+    @overload
+    def sample_directions(
+        self, *, wi: ArrayLike, u: NDArray[np.float32]
+    ) -> dict[str, NDArray[np.float32]]: ...
+    @overload
+    def sample_directions(self, *, wi: ArrayLike, u: ArrayLike) -> dict[str, NDArray[np.float64]]: ...
 
 class RadianceMaterial:
     def __init__(

@@ -117,6 +117,20 @@ fn all_unit<T: Number>(v: [&[T]; 3], tolerance: T) -> bool {
     good
 }
 
+/// The first number that is not in `[0, 1)`.
+pub fn first_not_uniform<T: Number>(u: &[T]) -> Option<T> {
+    if all_uniform(u) {
+        return None;
+    }
+    u.iter().copied().find(|v| !all_uniform(&[*v]))
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
+fn all_uniform<T: Number>(u: &[T]) -> bool {
+    let (zero, one) = (T::default(), T::rounded(1.0));
+    u.iter().fold(true, |good, v| good & (*v >= zero) & (*v < one))
+}
+
 /// Where the samples of a batch go.
 pub struct SampleColumns<'a, T> {
     /// Components of the sampled directions; NaN for a failed sample.

@@ -1,7 +1,7 @@
 //! Batches agree with one pair at a time, for every analytic model and for sums.
 
 use gonio_bsdf::analytic::{Role, Sum, families};
-use gonio_bsdf::batch::{Directions, SampleColumns};
+use gonio_bsdf::batch::{Directions, SampleColumns, first_not_uniform};
 use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{DVec3, Direction};
 
@@ -225,7 +225,8 @@ fn sampled_batches_follow_the_sampler_of_single_directions() {
                 // In single precision a sample next to a choice (a part of a sum, the horizon) may fall beyond it.
                 let s32 = DVec3::new(at32(0), at32(1), at32(2));
                 if s32.is_finite() && (s32 - s).length() < 1e-3 {
-                    assert!((s32 - s).length() < 2e-6, "{name}: {s32} {s}");
+                    // The cosine is a root of what x and y leave, so their rounding counts more at the horizon.
+                    assert!((s32 - s).length() < 1e-6 / s.z.abs(), "{name}: {s32} {s}");
                     assert!(
                         (at32(4) - at(4)).abs() <= 1e-4 * at(4),
                         "{name}: {} {}",
@@ -271,4 +272,14 @@ fn vectors_that_are_not_unit_are_found() {
         Some(0)
     );
     assert_eq!(Directions::One([0.0, 0.6, -0.8_f64]).first_not_unit(1e-5), None);
+}
+
+#[test]
+fn numbers_outside_the_unit_interval_are_found() {
+    let mut u: Vec<f32> = (0..100).map(|k| 0.01 * k as f32).collect();
+    assert_eq!(first_not_uniform(&u), None);
+    u[70] = 1.0;
+    assert_eq!(first_not_uniform(&u), Some(1.0));
+    u[30] = f32::NAN;
+    assert!(first_not_uniform(&u).is_some_and(f32::is_nan));
 }

@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::Block;
+use crate::batch::{eval_directions, is_single, sample_directions};
 use crate::errors::{QuantityError, domain};
 
 /// A scattering model. Angles are degrees; every argument of `eval` and `pdf` broadcasts as in numpy.
@@ -258,6 +259,47 @@ impl Bsdf {
             dict.set_item(name, PyArray1::from_vec(py, values))?;
         }
         Ok(dict)
+    }
+
+    /// f(wi, ws) in 1/sr, no cosine, of unit vectors: an array of shape (channels, n).
+    ///
+    /// `wi` and `ws` have shape (3,), one direction for all pairs, or (3, n), or (n, 3) for n other than 3; columns of
+    /// (3, n) in C order are read in place. Where `ws` is a float32 array everything is done in single precision and
+    /// the result is float32: analytic models are then within 2e-6 relative of double precision at the same vectors,
+    /// times one more than the exponent where a lobe falls as e^-x. (The rounding of the vectors themselves moves a
+    /// lobe of width alpha by 1e-7 / alpha of its width: use float64 where that counts.) Otherwise float64. Vectors
+    /// must be unit to 1e-5 in squared length and are not normalised. Runs on the calling thread, without the
+    /// interpreter's lock.
+    #[pyo3(signature = (*, wi, ws))]
+    fn eval_directions<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        ws: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        Ok(if is_single(ws) {
+            eval_directions::<f32>(self.0.as_ref(), wi, ws)?.into_any()
+        } else {
+            eval_directions::<f64>(self.0.as_ref(), wi, ws)?.into_any()
+        })
+    }
+
+    /// Directions sampled from uniform numbers `u` in [0, 1) of shape (3, n), or (n, 3) for n other than 3.
+    ///
+    /// `wi` as for `eval_directions`. Returns a dict: ws (3, n), weight = f |cos| / pdf of shape (channels, n), pdf (n) in
+    /// 1/sr. Single precision where `u` is a float32 array. The same `u` give the same directions as `sample`, up to
+    /// rounding. A failed sample has weight and pdf 0 and NaN for ws; an ideal direction (mirror) has the weight of the
+    /// first channel only, NaN for the others.
+    #[pyo3(signature = (*, wi, u))]
+    fn sample_directions<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        if is_single(u) {
+            sample_directions::<f32>(self.0.as_ref(), wi, u)
+        } else {
+            sample_directions::<f64>(self.0.as_ref(), wi, u)
+        }
     }
 
     fn __repr__(&self) -> String {

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod arrays;
+mod batch;
 mod bsdf;
 mod checking;
 mod errors;

@@ -104,7 +104,7 @@ impl<R: Real> Shape<R> {
         let y = c.times(h[1]) - s.times(h[0]);
         let flat = h[0] * h[0] + h[1] * h[1];
         // ln(h_z) = -ln(1 + tan^2)/2; the azimuth has no weight where flat is 0, and 1e-30 vanishes elsewhere.
-        let ln_z = (flat / (h[2] * h[2]) + 1.0).ln() * -0.5;
+        let ln_z = (flat / (h[2] * h[2])).ln_1p() * -0.5;
         let power = (self.n.0 * x.squared() + self.n.1 * y.squared()).times(ln_z / (flat + 1e-30));
         power.exp() * self.peak
     }
@@ -124,7 +124,11 @@ fn both<R: Real>(shape: &Shape<R>, pair: &Pair<R::Plain>) -> R {
     let cosine = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]).sqrt() * 0.5;
     let fresnel = shape.f0 + (-shape.f0 + 1.0).times(fifth(-cosine + 1.0));
     let lobe = (shape.density(h) * fresnel).times((cosine * ci.max(cs) * 4.0).recip());
-    let fades = |c: R::Plain| -fifth(c * -0.5 + 1.0) + 1.0;
+    // 1 - (1 - x)^5, x = c / 2, multiplied out: nothing cancels at grazing.
+    let fades = |c: R::Plain| {
+        let x = c * 0.5;
+        x * (x * (x * (x * (x - 5.0) + 10.0) - 10.0) + 5.0)
+    };
     lobe + shape.base.times(fades(ci) * fades(cs))
 }
 

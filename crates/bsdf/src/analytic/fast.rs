@@ -77,6 +77,12 @@ macro_rules! plain_methods {
         fn select(test: Self, yes: Self, no: Self) -> Self {
             Fast(if test.0 > 0.0 { yes.0 } else { no.0 })
         }
+        /// The logarithm of the rounded sum, with what the rounding took to first order.
+        #[inline(always)]
+        fn ln_1p(self) -> Self {
+            let sum = 1.0 + self.0;
+            Fast(Fast(sum).ln().0 + (self.0 - (sum - 1.0)) / sum)
+        }
         #[inline(always)]
         fn sqrt(self) -> Self {
             Fast(self.0.sqrt())
@@ -332,6 +338,25 @@ mod tests {
                 "{z}"
             );
         }
+    }
+
+    #[test]
+    fn logarithms_next_to_one_lose_nothing() {
+        let mut x = 1e-30_f64;
+        while x < 1e20 {
+            for x in [x, -x] {
+                if x > -1.0 {
+                    assert!((Fast(x).ln_1p().0 / x.ln_1p() - 1.0).abs() < 1e-14, "{x}");
+                    let y = x as f32;
+                    if y > -1.0 {
+                        let exact = f64::from(y).ln_1p();
+                        assert!((f64::from(Fast(y).ln_1p().0) / exact - 1.0).abs() < 4e-7, "{y}");
+                    }
+                }
+            }
+            x *= 1.013;
+        }
+        assert_eq!(Fast(0.0_f32).ln_1p(), Fast(0.0));
     }
 
     #[test]

@@ -199,6 +199,7 @@ fn eval_loop<F: Formula, T: Number, const C: usize, const ONE: bool>(
             load(columns, start, &mut s);
         }
         let mut values = [[T::default(); LANES]; C];
+        #[allow(clippy::needless_range_loop)] // as many arrays as channels
         for l in 0..LANES {
             let wi = if ONE { one } else { at(&i, l) };
             let ws = at(&s, l);

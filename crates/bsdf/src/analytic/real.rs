@@ -42,6 +42,8 @@ pub trait Real:
     fn exp(self) -> Self;
     /// Natural logarithm of a positive number.
     fn ln(self) -> Self;
+    /// `ln(1 + self)`, accurate near 0 too, for `self > -1`.
+    fn ln_1p(self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
     /// Error function.
@@ -115,6 +117,10 @@ impl Real for f64 {
     #[inline(always)]
     fn ln(self) -> Self {
         f64::ln(self)
+    }
+    #[inline(always)]
+    fn ln_1p(self) -> Self {
+        f64::ln_1p(self)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -299,6 +305,10 @@ impl<R: Real<Plain = R>, const N: usize> Real for Dual<R, N> {
         self.chain(self.value.ln(), self.value.recip())
     }
     #[inline(always)]
+    fn ln_1p(self) -> Self {
+        self.chain(self.value.ln_1p(), (self.value + 1.0).recip())
+    }
+    #[inline(always)]
     fn sqrt(self) -> Self {
         let r = self.value.sqrt();
         self.chain(r, (r * 2.0).recip())
@@ -322,7 +332,7 @@ mod tests {
     /// Every function of the trait in one smooth expression.
     fn expression<R: Real>(x: R, y: R) -> R {
         let (s, c) = (x * y).sin_cos();
-        let a = (x * 0.3 + y.sqrt()).exp() - y.ln() * 2.0;
+        let a = (x * 0.3 + y.sqrt()).exp() - y.ln() * 2.0 + (x * y).ln_1p();
         let b = (s.abs() + c.squared() + 1.5).powf(x / y) + (x - y).erf();
         (a.max(b) + (x - 0.1).min(y)) / (y + 2.0) - x.recip()
     }
