@@ -210,6 +210,7 @@ formula!(AshikhminShirleyIsotropic, ISOTROPIC, |p| {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Fast;
     use super::*;
 
     #[test]
@@ -239,6 +240,32 @@ mod tests {
                 / (c * wi.cos_theta().max(ws.cos_theta()));
             let got = both(&shape, &Pair::new(wi, ws));
             assert!((got / want - 1.0).abs() < 1e-11, "{got} {want}");
+        }
+    }
+
+    #[test]
+    fn single_precision_keeps_the_digits_of_a_narrow_lobe() {
+        let p = [0.0, 0.1, 0.002];
+        let double = <AshikhminShirleyIsotropic as Formula>::shape::<f64>(&p);
+        let single = p.map(|v| Fast(v as f32));
+        let single = <AshikhminShirleyIsotropic as Formula>::shape::<Fast<f32>>(&single);
+        for off in [0.0_f64, 1e-3, 2e-3, 4e-3] {
+            // Directions that single precision holds exactly, off the normal by twice the facet.
+            let x = f64::from(off as f32);
+            let (wi, ws) = ([x, 0.0, 1.0], [x, 0.0, 1.0]);
+            let want = both(&double, &Pair { wi, ws });
+            let narrow = |v: [f64; 3]| v.map(|c| Fast(c as f32));
+            let got = both(
+                &single,
+                &Pair {
+                    wi: narrow(wi),
+                    ws: narrow(ws),
+                },
+            );
+            assert!(
+                (f64::from(got.0) / want - 1.0).abs() < 2e-5,
+                "{off}: {got:?} {want}"
+            );
         }
     }
 }
