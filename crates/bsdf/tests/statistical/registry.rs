@@ -3,7 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use gonio_bsdf::analytic::{Sum, families, family};
-use gonio_bsdf::{Bsdf, Channel};
+use gonio_bsdf::{Bsdf, Channel, RadianceMaterial};
 use rayon::prelude::*;
 
 use crate::chi_square::sidak;
@@ -55,7 +55,34 @@ impl Case {
     }
 }
 
-/// The registered models and a sum of four of them.
+/// Radiance materials with a density: sums with parts of their own, ideal parts and a first channel of zero.
+fn radiance() -> Subject {
+    let oval = "0.8 0.6 0 .";
+    let settings = [
+        ("plastic", "", &[0.0, 0.4, 0.8, 0.3, 0.1][..]),
+        ("plastic", "", &[0.6, 0.4, 0.8, 0.05, 0.0]),
+        ("metal", "", &[0.6, 0.4, 0.8, 0.7, 0.0]),
+        ("trans", "", &[0.9, 0.4, 0.8, 0.1, 0.2, 0.6, 0.7]),
+        ("trans", "", &[0.9, 0.4, 0.8, 0.1, 0.0, 0.6, 0.7]),
+        ("metal2", oval, &[0.6, 0.4, 0.8, 0.7, 0.05, 0.3]),
+        ("trans2", oval, &[0.9, 0.4, 0.8, 0.1, 0.3, 0.06, 0.6, 0.9]),
+        ("ashik2", oval, &[0.3, 0.4, 0.8, 0.2, 0.3, 0.4, 400.0, 10.0]),
+        ("ashik2", oval, &[0.0, 0.4, 0.8, 0.5, 0.3, 0.4, 3.0, 2000.0]),
+    ];
+    let model = |(word, strings, reals): (&str, &str, &[f64])| {
+        let strings: Vec<String> = strings.split_whitespace().map(String::from).collect();
+        let material = RadianceMaterial::from_arguments(word, &strings, reals)
+            .unwrap()
+            .unwrap();
+        (format!("{word} {reals:?}"), Arc::from(material.bsdf().unwrap()))
+    };
+    Subject {
+        name: "radiance",
+        settings: settings.into_iter().map(model).collect(),
+    }
+}
+
+/// The registered models, a sum of four of them and Radiance materials.
 fn subjects() -> Vec<Subject> {
     let registered = families().iter().map(|family| Subject {
         name: family.info().name,
@@ -80,7 +107,7 @@ fn subjects() -> Vec<Subject> {
     };
     let only = std::env::var("GONIO_MODELS").ok();
     registered
-        .chain([sum])
+        .chain([sum, radiance()])
         .filter(|s| {
             only.as_ref()
                 .is_none_or(|names| names.split(',').any(|n| n == s.name))
