@@ -71,11 +71,13 @@ pub(crate) fn run(
     let spread = (n * mass * (1.0 - mass).max(0.0)).sqrt();
     let p_accepted = deviation(accepted as f64 - n * mass, spread, n * 1e-6);
     let mean = sum / n;
-    let standard_error = ((squares / n - mean * mean).max(0.0) / n).sqrt();
     let albedo: f64 = [Component::Reflection, Component::Transmission]
         .map(|c| directional_albedo(model, w, c, 0))
         .iter()
         .sum();
+    // Failures too rare to be seen among the samples still spread the mean: at least by the variance of an even weight.
+    let unseen = (albedo * albedo * (1.0 - mass) / mass).max(0.0);
+    let standard_error = ((squares / n - mean * mean).max(unseen) / n).sqrt();
     Trial {
         samples,
         chi_square: chi_square(&counts, &expected),
