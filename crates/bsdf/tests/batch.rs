@@ -1,5 +1,7 @@
 //! Batches agree with one pair at a time, for every analytic model and for sums.
 
+#![allow(clippy::unwrap_used)] // helpers outside #[test] fail a test by panicking, as the tests themselves do
+
 use gonio_bsdf::analytic::{Role, Sum, families};
 use gonio_bsdf::batch::{Directions, SampleColumns, first_not_uniform};
 use gonio_bsdf::{Bsdf, Channel};
