@@ -281,8 +281,8 @@ struct Knot {
     u: f64,
 }
 
-/// Part of the time the sample record took that one knot may span.
-const KNOT_SPAN: f64 = 0.05;
+/// Part of the time the sample record took that one knot may span. Within a knot the dark may drift evenly.
+const KNOT_SPAN: f64 = 0.5;
 
 fn by_time(scan: &Scan, darks: &[&Scan], noise: &NoiseModel) -> Result<Option<Levels>, ScanError> {
     let Some(start) = started(scan)? else {
@@ -362,6 +362,16 @@ fn by_level(darks: &[&Scan], noise: &NoiseModel) -> Levels {
         .filter(|v| v.is_finite())
         .collect();
     let (level, deviation) = mean_and_deviation(&values).unwrap_or((0.0, 0.0));
+    // Records that differ by more than their noise tell of a drift, which no number of readings averages out.
+    let means: Vec<f64> = darks
+        .iter()
+        .filter_map(|d| {
+            let finite: Vec<f64> = d.value.iter().copied().filter(|v| v.is_finite()).collect();
+            mean_and_deviation(&finite).map(|m| m.0)
+        })
+        .collect();
+    let drift = mean_and_deviation(&means).map_or(0.0, |m| m.1);
+    let noise_of_mean = deviation.max(noise.readout) / (values.len().max(1) as f64).sqrt();
     Levels {
         levels: Vec::new(),
         constant: level,
@@ -369,7 +379,7 @@ fn by_level(darks: &[&Scan], noise: &NoiseModel) -> Levels {
             method: DarkMethod::Level,
             mean: level,
             u_independent: 0.0,
-            u_common: deviation.max(noise.readout) / (values.len().max(1) as f64).sqrt(),
+            u_common: noise_of_mean.max(drift),
         },
     }
 }
