@@ -23,6 +23,17 @@ from gonio.checking import check
 from gonio.colours import Colour, colour, colour_of_channels
 from gonio.demonstrating import DemoResult, demo
 from gonio.exporting import Export, export, read_radiance
+from gonio.fit_results import (
+    Estimate,
+    Fit,
+    FitModel,
+    FitParameter,
+    FitWarning,
+    HeldOut,
+    Ranking,
+    SliceResidual,
+)
+from gonio.fitting import fit, fit_models
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
 from gonio.model_files import read_bsdf
@@ -42,21 +53,29 @@ __all__ = [
     "DataDriven",
     "DemoResult",
     "DomainError",
+    "Estimate",
     "Export",
+    "Fit",
     "FitError",
+    "FitModel",
+    "FitParameter",
+    "FitWarning",
     "FormatError",
     "GonioError",
+    "HeldOut",
     "HemisphericalIntegral",
     "Measurement",
     "Model",
     "ModelParameter",
     "QuantityError",
     "RadianceMaterial",
+    "Ranking",
     "Readings",
     "Rgl",
     "Roughness",
     "Scan",
     "Slice",
+    "SliceResidual",
     "SphereResult",
     "Verdict",
     "__version__",
@@ -68,6 +87,8 @@ __all__ = [
     "demo",
     "directional_albedo",
     "export",
+    "fit",
+    "fit_models",
     "inspect",
     "models",
     "process",

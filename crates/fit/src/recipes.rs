@@ -134,9 +134,6 @@ const RECIPES: &[Recipe] = &[
 /// Models that stand for themselves; a diffuse part beside them would be the same again.
 const ALONE: &[&str] = &["lambert", "lambert-transmission", "oren-nayar"];
 
-/// Names that users know a model by.
-const ALIASES: &[(&str, &str)] = &[("ward", "ward-gmd"), ("ward-anisotropic", "ward-gmd-anisotropic")];
-
 /// The range and unit of an ingredient come from the family whose parameter it is.
 fn prepare(recipe: &Recipe) -> Result<FitModel, FitError> {
     let names: Vec<&str> = recipe.parameters.iter().map(|p| p.name).collect();
@@ -234,10 +231,6 @@ pub fn fit_models() -> Result<Vec<FitModel>, FitError> {
 /// [`FitError::Model`] that lists the names there are.
 pub fn fit_model(name: &str) -> Result<FitModel, FitError> {
     let wanted = name.trim().to_ascii_lowercase();
-    let wanted = ALIASES
-        .iter()
-        .find(|(alias, _)| *alias == wanted)
-        .map_or(wanted.as_str(), |(_, own)| *own);
     let models = fit_models()?;
     if let Some(model) = models.iter().find(|m| m.name == wanted) {
         return Ok(model.clone());
@@ -247,7 +240,7 @@ pub fn fit_model(name: &str) -> Result<FitModel, FitError> {
         for part in wanted.split('+').map(str::trim) {
             parts.push(family(part)?);
         }
-        return Ok(FitModel::sum_of(wanted, wanted, &parts));
+        return Ok(FitModel::sum_of(&wanted, &wanted, &parts));
     }
     Err(FitError::Model {
         found: format!("{name:?}"),

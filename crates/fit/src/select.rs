@@ -1,5 +1,7 @@
 //! Which model the readings support.
 
+use std::cmp::Ordering;
+
 use gonio_bsdf::analytic::families;
 use gonio_geom::{Angles, Component};
 use gonio_scan::Measurement;
@@ -11,12 +13,14 @@ use crate::refine::{fold_in_beam, refine};
 use crate::report::residuals;
 use crate::result::{Fit, SliceResidual};
 use crate::solver::Stop;
-use crate::{FitError, FitModel, FitOptions, Selection, fit, fit_models};
+use crate::{FitError, FitModel, FitOptions, Kind, Selection, fit, fit_models};
 
 /// Readings that a fit without one incidence looks at, at most.
 const FOLD_READINGS: usize = 8000;
 /// Held-out errors closer than this ratio count as equal; then the criterion of Akaike decides.
 const TIE: f64 = 1.03;
+/// Criteria of Akaike closer than this are those of one and the same function in other parameters.
+const SAME: f64 = 0.01;
 
 /// Error at an incidence that the fit did not see.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +50,31 @@ impl Ranked {
         self.held_out
             .iter()
             .max_by(|a, b| a.relative_l1.total_cmp(&b.relative_l1))
+    }
+}
+
+impl Ranked {
+    /// Order by Akaike's criterion in steps of [`SAME`], then by parameters that the readings leave open, then by their
+    /// number.
+    fn by_criterion(&self, other: &Self) -> Ordering {
+        let step = |r: &Self| (r.fit.aicc / SAME).round();
+        let open = |r: &Self| {
+            r.fit
+                .estimates
+                .iter()
+                .filter(|e| e.kind == Kind::Undetermined)
+                .count()
+        };
+        step(self)
+            .total_cmp(&step(other))
+            .then(open(self).cmp(&open(other)))
+            .then(self.fit.estimates.len().cmp(&other.fit.estimates.len()))
+    }
+
+    /// Whether both are the same function of direction, in other parameters.
+    fn is_same(&self, other: &Self) -> bool {
+        (self.fit.aicc - other.fit.aicc).abs() < SAME
+            && (self.held_out.is_empty() || (self.held_out_error / other.held_out_error - 1.0).abs() < 1e-4)
     }
 }
 
@@ -99,7 +128,8 @@ pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Ve
 }
 
 /// Fits every model and ranks them: by the error at incidences left out in turn, models within 3 % of one another by
-/// Akaike's criterion; with a single incidence by the criterion alone.
+/// Akaike's criterion; with a single incidence by the criterion alone. Where that is equal too (to 0.01), those all of
+/// whose parameters the readings determine come first, then those with fewer parameters, then the order given.
 ///
 /// # Errors
 /// [`FitError::Cancelled`], or the first error when no model can be fitted at all.
@@ -133,15 +163,16 @@ pub fn select(
             |(_, e)| e,
         ));
     }
+    let place = |r: &Ranked| models.iter().position(|m| m.name == r.fit.model.name);
     ranking.sort_by(|a, b| {
         a.held_out_error
             .total_cmp(&b.held_out_error)
-            .then(a.fit.aicc.total_cmp(&b.fit.aicc))
+            .then(a.by_criterion(b))
     });
     if ranking[0].held_out_error.is_finite() {
         let limit = ranking[0].held_out_error * TIE;
         let ties = ranking.iter().take_while(|r| r.held_out_error <= limit).count();
-        ranking[..ties].sort_by(|a, b| a.fit.aicc.total_cmp(&b.fit.aicc));
+        ranking[..ties].sort_by(|a, b| a.by_criterion(b).then(place(a).cmp(&place(b))));
     }
     let sentence = sentence(&ranking);
     Ok(Choice {
@@ -237,7 +268,18 @@ fn sentence(ranking: &[Ranked]) -> String {
             best.fit.model.name
         ),
     };
-    match ranking.get(1) {
+    let same: Vec<&str> = ranking[1..]
+        .iter()
+        .filter(|r| r.is_same(best))
+        .map(|r| r.fit.model.name.as_str())
+        .collect();
+    if !same.is_empty() {
+        text += &format!(
+            "; {} fit these readings exactly as well in other parameters",
+            same.join(", ")
+        );
+    }
+    match ranking[1..].iter().find(|r| !r.is_same(best)) {
         Some(next) if best.held_out.is_empty() => {
             text += &format!(
                 "; next is {} ({:+.1} in AICc)",

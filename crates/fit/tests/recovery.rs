@@ -44,7 +44,7 @@ fn every_model_gives_its_parameters_back() {
 
 #[test]
 fn channels_share_what_they_share_and_nothing_else() {
-    for name in ["plastic", "metal", "trans", "ward"] {
+    for name in ["plastic", "metal", "trans", "ward-gmd"] {
         let channels = [Channel::Red, Channel::Green, Channel::Blue];
         assert_eq!(lost(name, 7, &channels), Vec::<String>::new());
     }

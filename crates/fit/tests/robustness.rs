@@ -91,7 +91,7 @@ fn the_beam_power_enters_amplitudes_and_not_widths() {
         u_common: 0.02,
         ..noisy()
     };
-    let found = run(&plastic(&campaign, 3), "ward").unwrap();
+    let found = run(&plastic(&campaign, 3), "ward-gmd").unwrap();
     let of = |name| found.estimate(name, P).unwrap();
     for name in ["kd", "ks"] {
         let e = of(name);
@@ -167,9 +167,9 @@ fn an_amplitude_at_zero_has_an_interval_from_the_profile() {
 
 #[test]
 fn a_broad_lobe_is_called_hard_to_tell_from_the_diffuse_part() {
-    let model = fit_model("ward").unwrap();
+    let model = fit_model("ward-gmd").unwrap();
     let measurement = measure(&model, &[(P, vec![0.3, 0.1, 0.7])], &noisy(), &mut rng(2));
-    let found = run(&measurement, "ward").unwrap();
+    let found = run(&measurement, "ward-gmd").unwrap();
     assert!(found.warns("broad_lobe"), "{:?}", found.warnings);
     let n = found.estimates.len();
     assert!(found.correlation[1] < -0.5, "{:?}", &found.correlation[..n]);

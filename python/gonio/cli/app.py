@@ -13,6 +13,7 @@ from gonio.cli.check import check
 from gonio.cli.colour import colour
 from gonio.cli.demo import demo
 from gonio.cli.export import export
+from gonio.cli.fit import fit
 from gonio.cli.inspect import inspect
 from gonio.cli.models import models
 from gonio.cli.process import process
@@ -50,6 +51,7 @@ for function in (
     process,
     check,
     build,
+    fit,
     export,
     report,
     simulate,

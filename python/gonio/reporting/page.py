@@ -76,7 +76,7 @@ def render_report(
     integrals = tables.integral_rows(drawn, truths)
     warnings = list(dict.fromkeys(in_symbols(str(w)) for w in measurement.warnings))
     page = (
-        _environment()
+        environment()
         .get_template("report.html.j2")
         .render(
             head=header.describe(measurement, verdicts, title=title, drawn=drawn),
@@ -96,8 +96,8 @@ def render_report(
             provenance=provenance.sections(measurement.provenance),
             glossary=glossary.TERMS,
             version=metadata.version("gonio"),
-            style=_static("style.css"),
-            scripts=[_static(name) for name in SCRIPTS],
+            style=static("style.css"),
+            scripts=[static(name) for name in SCRIPTS],
             plotly=Markup(get_plotlyjs()),
             payload=Markup(to_json(payload)),
         )
@@ -108,18 +108,20 @@ def render_report(
     return path
 
 
-def _environment() -> Environment:
-    environment = Environment(
+def environment() -> Environment:
+    """Give the templates of the pages."""
+    made = Environment(
         loader=PackageLoader("gonio.reporting"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["number"] = numbers.number
-    environment.filters["percent"] = numbers.percent
-    return environment
+    made.filters["number"] = numbers.number
+    made.filters["percent"] = numbers.percent
+    return made
 
 
-def _static(name: str) -> Markup:
+def static(name: str) -> Markup:
+    """Read a script or style sheet that a page inlines."""
     return Markup((resources.files("gonio.reporting") / "static" / name).read_text(encoding="utf-8"))

@@ -1,0 +1,201 @@
+"""The files of a fit: fit.json, the materials of other programs, the residual page."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from gonio import _native
+from gonio._native import Bsdf, DomainError, FormatError
+from gonio.analytic import analytic
+from gonio.checking import MeasurementOrPath
+from gonio.files import check_directory, replacing_directory
+from gonio.fit_colour import Palette, Triple
+from gonio.fit_mitsuba import mitsuba_material
+from gonio.fit_radiance import radiance_material
+from gonio.fit_results import Fit, finite
+from gonio.fitting import fit_input
+from gonio.measurement import Measurement
+from gonio.working import Progress, interruptible, silent
+
+FORMAT = "gonio-fit"
+FORMAT_VERSION = 1
+JSON_NAME = "fit.json"
+PAGE_NAME = "residuals.html"
+RADIANCE_NAME = "material.rad"
+MITSUBA_NAME = "mitsuba.xml"
+MITSUBA_DICT_NAME = "mitsuba.json"
+
+FILES = (RADIANCE_NAME, MITSUBA_NAME, MITSUBA_DICT_NAME, PAGE_NAME)
+"""Files of an earlier fit that go when a new one does not have them."""
+
+
+@dataclass(frozen=True)
+class SavedFit:
+    """What `save_fit` wrote.
+
+    `files` are the names in the directory `out`; `losses` tells, by file, what a material does not hold of
+    the fit; `refused` tells, by file, why there is none.
+    """
+
+    out: Path
+    files: tuple[str, ...]
+    losses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    refused: Mapping[str, str] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "out": os.fspath(self.out),
+            "files": list(self.files),
+            "losses": {k: list(v) for k, v in self.losses.items()},
+            "refused": dict(self.refused),
+        }
+
+
+def save_fit(
+    fit: Fit,
+    *,
+    out: str | os.PathLike[str],
+    measurement: MeasurementOrPath | None = None,
+    name: str | None = None,
+    colour: Triple | None = None,
+    illuminant: str = "D65",
+    force: bool = False,
+    progress: Progress = silent,
+) -> SavedFit:
+    """Write a directory with the fit as data, as materials of other programs and as a page.
+
+    The directory appears whole or not at all: fit.json; material.rad where the model is a Radiance material
+    or maps onto one; mitsuba.xml and mitsuba.json (the dict of `mitsuba.load_dict`) where Mitsuba 3 has it;
+    residuals.html with the measurement.
+
+    Parameters
+    ----------
+    fit
+        What `gonio.fit` gave.
+    out
+        The directory; its parent must exist. An earlier fit there is replaced.
+    measurement
+        What was fitted; without it there is no page.
+    name
+        Name of the material; None makes one of the sample's name and the model.
+    colour
+        Red, green, blue in Radiance's primaries at any scale, for a fit of the photopic channel alone.
+    illuminant
+        D65, A or E: the light under which wavelengths become a colour.
+    force
+        Write into a directory that holds other files.
+    progress
+        Called with stage, parts done and parts in all.
+
+    Raises
+    ------
+    DomainError
+        A colour for channels that have their own, or that is no colour; predictions that do not belong to the
+        measurement.
+    FormatError
+        `out` holds other files and `force` is not set.
+    OSError
+        The file system refuses.
+    """
+    check_directory(out, marker=JSON_NAME, force=force)
+    Palette(fit.channels, tint=colour)  # its errors before any work
+    sample = None if measurement is None else fit_input(measurement, channels=fit.channels)[0]
+    label = word(name or _label(sample, fit.model))
+    losses: dict[str, tuple[str, ...]] = {}
+    refused: dict[str, str] = {}
+    texts: dict[str, str] = {}
+
+    def made(file: str, make: Callable[[], None]) -> None:
+        try:
+            make()
+        except (DomainError, FormatError) as error:
+            refused[file] = str(error)
+
+    def radiance() -> None:
+        mapped = radiance_material(fit, name=label, colour=colour, illuminant=illuminant)
+        losses[RADIANCE_NAME] = mapped.losses
+        texts[RADIANCE_NAME] = _comments(fit, mapped.losses) + mapped.material.text
+
+    def mitsuba() -> None:
+        mapped = mitsuba_material(fit, colour=colour, illuminant=illuminant)
+        losses[MITSUBA_NAME] = mapped.losses
+        texts[MITSUBA_NAME] = mapped.xml(name=label)
+        texts[MITSUBA_DICT_NAME] = json.dumps(mapped.material, indent=2) + "\n"
+
+    made(RADIANCE_NAME, radiance)
+    made(MITSUBA_NAME, mitsuba)
+    told = {"name": label, "losses": {k: list(v) for k, v in losses.items()}, "refused": refused}
+    header = {"format": FORMAT, "format_version": FORMAT_VERSION}
+    plain = finite(header | fit.to_dict() | {"materials": told})
+    texts[JSON_NAME] = json.dumps(plain, indent=2, allow_nan=False) + "\n"
+    progress("writing", 0, 1)
+    with replacing_directory(out, marker=JSON_NAME, owned=FILES, force=force) as staged:
+        for file, text in texts.items():
+            (staged / file).write_text(text, encoding="utf-8", newline="\n")
+        if sample is not None:
+            # Drawing libraries take half a second to load, which every other verb would pay.
+            from gonio.reporting.fit_page import render_fit  # noqa: PLC0415
+
+            interruptible(
+                lambda: render_fit(fit, sample, out=staged / PAGE_NAME, refused=refused, losses=losses)
+            )
+            texts[PAGE_NAME] = ""
+    progress("writing", 1, 1)
+    return SavedFit(Path(out), tuple(sorted(texts)), losses, refused)
+
+
+def read_fitted_model(path: str | os.PathLike[str]) -> Bsdf:
+    """Read the model of a fit that `save_fit` wrote: a directory, or its fit.json.
+
+    Raises
+    ------
+    FormatError
+        It is no file of a fit, or damaged.
+    OSError
+        The operating system refuses.
+    """
+    file = Path(path)
+    file = file / JSON_NAME if file.is_dir() else file
+    try:
+        plain = json.loads(file.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise FormatError(f"{file}: found no JSON ({error})") from error
+    if not isinstance(plain, dict) or plain.get("format") != FORMAT:
+        raise FormatError(f'{file}: found no "format": "{FORMAT}", allowed is a file written by gonio fit')
+    if plain.get("format_version") != FORMAT_VERSION:
+        raise FormatError(
+            f"{file}: format_version: found {plain.get('format_version')!r}, allowed {FORMAT_VERSION}"
+        )
+    try:
+        return analytic(*plain["parts"])
+    except (KeyError, TypeError, _native.GonioError) as error:
+        raise FormatError(f"{file}: found a damaged fit ({error})") from error
+
+
+def _label(sample: Measurement | None, model: str) -> str:
+    """Sample and model, each once."""
+    known = (sample.sample_name if sample is not None else None) or ""
+    return known if model in known else f"{known} {model}"
+
+
+def word(text: str) -> str:
+    """A name that every program takes: letters, digits and underscores."""
+    return re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower() or "material"
+
+
+def _comments(fit: Fit, losses: tuple[str, ...]) -> str:
+    """The head of the Radiance file: what the numbers are and what they do not hold."""
+    lines = [f"gonio fit: {fit.title} ({fit.model}), {fit.readings} readings, {', '.join(fit.channels)}"]
+    for e in fit.estimates:
+        unit = "" if e.unit == "1" else f" {e.unit}"
+        lines.append(f"{e.label} = {e.value:.6g}{unit}, 95 % in {e.low:.4g} to {e.high:.4g} ({e.kind})")
+    lines += [f"lost: {loss}" for loss in losses]
+    lines += [f"warning: {w.text}" for w in fit.warnings]
+    return "".join(f"# {' '.join(line.split())}\n" for line in lines)

@@ -1,0 +1,359 @@
+"""What a fit of an analytic model found, as plain data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gonio._native import Bsdf, FitData
+
+NOTABLE = 0.8
+"""Correlations from this size on are worth knowing."""
+
+
+@dataclass(frozen=True)
+class FitParameter:
+    """One parameter of a fit model; angles are degrees.
+
+    `role` is amplitude, width, angle, index, exponent or offset; `per_channel` tells whether every channel
+    has its own value.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    default: float
+    role: str
+    per_channel: bool
+    meaning: str
+
+
+@dataclass(frozen=True)
+class FitModel:
+    """A model that `gonio.fit` knows; `parts` are the names in `gonio.models` whose sum it is."""
+
+    name: str
+    title: str
+    parameters: tuple[FitParameter, ...]
+    parts: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted parameter; angles are degrees.
+
+    Attributes
+    ----------
+    name, unit, role, meaning
+        As in `FitParameter`.
+    channel
+        The channel it belongs to; None: all of them.
+    value
+        The value at the minimum.
+    u
+        Standard uncertainty from noise, from correlated residuals and from what all readings share.
+    u_common
+        The part of `u` that all readings share: the beam power.
+    u_model
+        Largest difference to the value that another metric prefers: what the model, not the noise, leaves
+        open.
+    low, high
+        Ends of the 95 % interval that belongs to `u`.
+    kind
+        value, upper_limit (the beam hides the lobe: below `high` is all that is known), fixed, undetermined.
+    interval
+        Where `low` and `high` come from: quadratic (curvature at the minimum) or profile.
+    """
+
+    name: str
+    unit: str
+    role: str
+    channel: str | None
+    value: float
+    u: float
+    u_common: float
+    u_model: float
+    low: float
+    high: float
+    kind: str
+    interval: str
+    meaning: str
+
+    @property
+    def label(self) -> str:
+        """Name with its channel, such as `color (red)`."""
+        return self.name if self.channel is None else f"{self.name} ({self.channel})"
+
+
+@dataclass(frozen=True)
+class SliceResidual:
+    """How well the model describes one slice and component.
+
+    `chi2` is the median squared residual over its expectation for the stated noise, `relative_l1` is
+    `sum |prediction - dsf| omega / sum |dsf| omega`, `bias` the same with signs, `peak_ratio` the highest
+    prediction over the highest reading. `slice` counts the slices of the measurement from 0.
+    """
+
+    slice: int
+    theta_i: float
+    phi_i: float
+    channel: str
+    component: str
+    readings: int
+    chi2: float
+    relative_l1: float
+    bias: float
+    peak_ratio: float
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Error at an incidence that the fit did not see: the mean `relative_l1` of its residuals."""
+
+    theta_i: float
+    phi_i: float
+    relative_l1: float
+    residuals: tuple[SliceResidual, ...]
+
+
+@dataclass(frozen=True)
+class FitWarning:
+    """Something to know before the parameters are used; docs/fit.md explains each `code`."""
+
+    code: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """Two estimates, by label, that are correlated by `value`."""
+
+    first: str
+    second: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model with everything that is known about it.
+
+    Attributes
+    ----------
+    model, title
+        Name and title of the model.
+    channels
+        In the order of the parameters.
+    estimates
+        The parameters; those of several channels follow one another.
+    covariance, correlation
+        (n, n) of the estimates; zero for those without uncertainty.
+    other_metrics
+        Values that other metrics prefer, in the order of `estimates`, by name of the metric.
+    metric, loss, weights
+        What was minimised.
+    readings, excluded
+        Readings that took part, and how many did not for which reason.
+    blocks
+        Readings that count as independent in the comparison of models.
+    cost, dispersion, design_effect, aicc
+        At the minimum; the dispersion is the mean squared residual in units of the stated uncertainty, None
+        for metrics without one.
+    evaluations, converged
+        How the search went.
+    residuals
+        One a slice and component.
+    predicted
+        DSF in 1/sr as the instrument sees it, one array a slice; NaN where a reading did not take part.
+    held_out
+        Errors at each incidence from a fit to the others; empty when not asked for or with one incidence.
+    warnings
+        What to know before the parameters are used.
+    parts
+        The sum as `gonio.analytic` takes it.
+    provenance
+        Input, versions, settings and time.
+    ranking
+        How the model compares with others, where several were fitted.
+    """
+
+    model: str
+    title: str
+    channels: tuple[str, ...]
+    estimates: tuple[Estimate, ...]
+    covariance: NDArray[np.float64]
+    correlation: NDArray[np.float64]
+    other_metrics: Mapping[str, tuple[float, ...]]
+    metric: str
+    loss: str
+    weights: str
+    readings: int
+    excluded: Mapping[str, int]
+    blocks: int
+    cost: float
+    dispersion: float | None
+    design_effect: float
+    aicc: float
+    evaluations: int
+    converged: bool
+    residuals: tuple[SliceResidual, ...]
+    predicted: tuple[NDArray[np.float64], ...]
+    held_out: tuple[HeldOut, ...]
+    warnings: tuple[FitWarning, ...]
+    parts: tuple[Mapping[str, Any], ...]
+    provenance: Mapping[str, Any]
+    ranking: Ranking | None = None
+    _data: FitData | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def parameters(self) -> dict[str, dict[str, float]]:
+        """The values of each channel by name; angles are degrees."""
+        return {c: {e.name: e.value for e in self.estimates if e.channel in (None, c)} for c in self.channels}
+
+    @property
+    def held_out_error(self) -> float | None:
+        """Mean of the errors at left-out incidences, None without any."""
+        errors = [h.relative_l1 for h in self.held_out]
+        return float(np.mean(errors)) if errors else None
+
+    @property
+    def notable_correlations(self) -> tuple[Correlation, ...]:
+        """Pairs of estimates whose correlation exceeds `NOTABLE` in size, strongest first."""
+        first, second = np.nonzero(np.triu(np.abs(self.correlation) >= NOTABLE, k=1))
+        pairs = [
+            Correlation(self.estimates[a].label, self.estimates[b].label, float(self.correlation[a, b]))
+            for a, b in zip(first, second, strict=True)
+        ]
+        return tuple(sorted(pairs, key=lambda c: -abs(c.value)))
+
+    def estimate(self, name: str, channel: str | None = None) -> Estimate:
+        """The estimate of that name, of `channel` where it has one a channel.
+
+        Raises
+        ------
+        KeyError
+            There is none; it lists the labels there are.
+        """
+        for e in self.estimates:
+            if e.name == name and (e.channel is None or channel in (e.channel, None)):
+                return e
+        raise KeyError(f"{name}: found none, allowed {', '.join(e.label for e in self.estimates)}")
+
+    def bsdf(self) -> Bsdf:
+        """The fitted scattering model: evaluates, samples, exports."""
+        from gonio.analytic import analytic  # noqa: PLC0415  (the module of `analytic` knows nothing of fits)
+
+        return self._data.bsdf() if self._data is not None else analytic(*self.parts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, as fit.json and `gonio fit --json` hold them; without the predictions."""
+        plain = {
+            name: getattr(self, name)
+            for name in (
+                "model", "title", "metric", "loss", "weights", "readings", "blocks", "cost", "dispersion",
+                "design_effect", "aicc", "evaluations", "converged", "held_out_error",
+            )
+        }  # fmt: skip
+        return plain | {
+            "channels": list(self.channels),
+            "estimates": [asdict(e) for e in self.estimates],
+            "parameters": self.parameters,
+            "covariance": self.covariance.tolist(),
+            "correlation": self.correlation.tolist(),
+            "other_metrics": {k: list(v) for k, v in self.other_metrics.items()},
+            "excluded": dict(self.excluded),
+            "residuals": [asdict(r) for r in self.residuals],
+            "held_out": [asdict(h) for h in self.held_out],
+            "warnings": [asdict(w) for w in self.warnings],
+            "parts": [dict(p) for p in self.parts],
+            "provenance": dict(self.provenance),
+            "ranking": None if self.ranking is None else self.ranking.to_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Models compared on the same readings, best first.
+
+    `fits` are those that could be fitted, `failed` tells why others could not, `sentence` what the comparison
+    says.
+    """
+
+    fits: tuple[Fit, ...]
+    failed: Mapping[str, str]
+    sentence: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """One row a model: errors at left-out incidences, criterion of Akaike, where it is worst."""
+        best = min(f.aicc for f in self.fits)
+        return {
+            "sentence": self.sentence,
+            "models": [_row(f) | {"delta_aicc": f.aicc - best} for f in self.fits],
+            "failed": dict(self.failed),
+        }
+
+
+def _row(fit: Fit) -> dict[str, Any]:
+    worst = max(fit.held_out, key=lambda h: h.relative_l1, default=None)
+    return {
+        "model": fit.model,
+        "title": fit.title,
+        "held_out_error": fit.held_out_error,
+        "aicc": fit.aicc,
+        "parameters": sum(e.kind != "fixed" for e in fit.estimates),
+        "dispersion": fit.dispersion,
+        "worst_theta_i": None if worst is None else worst.theta_i,
+        "worst_phi_i": None if worst is None else worst.phi_i,
+        "worst_error": None if worst is None else worst.relative_l1,
+        "values": fit.parameters,
+        "warnings": [asdict(w) for w in fit.warnings],
+    }
+
+
+def finite(value: Any) -> Any:
+    """`value` with None in place of every number that JSON does not have."""
+    if isinstance(value, Mapping):
+        return {k: finite(v) for k, v in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [finite(v) for v in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def fit_of(
+    data: FitData,
+    *,
+    held_out: Sequence[Mapping[str, Any]],
+    provenance: Mapping[str, Any],
+    ranking: Ranking | None = None,
+) -> Fit:
+    """The plain data of a native fit."""
+    n = len(data.estimates)
+    return Fit(
+        model=data.model,
+        title=data.title,
+        channels=tuple(data.channels),
+        estimates=tuple(Estimate(**e) for e in data.estimates),
+        covariance=np.array(data.covariance, dtype=np.float64).reshape(n, n),
+        correlation=np.array(data.correlation, dtype=np.float64).reshape(n, n),
+        other_metrics={k: tuple(v) for k, v in data.other_metrics.items()},
+        **data.figures,
+        residuals=_residuals(data.residuals),
+        predicted=tuple(data.predicted),
+        held_out=tuple(HeldOut(**{**h, "residuals": _residuals(h["residuals"])}) for h in held_out),
+        warnings=tuple(FitWarning(code, text) for code, text in data.warnings),
+        parts=tuple(data.parts),
+        provenance=provenance,
+        ranking=ranking,
+        _data=data,
+    )
+
+
+def _residuals(rows: Sequence[Mapping[str, Any]]) -> tuple[SliceResidual, ...]:
+    return tuple(SliceResidual(**row) for row in rows)
