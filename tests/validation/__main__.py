@@ -14,7 +14,16 @@ import traceback
 from .pages import Skipped
 from .places import ROOT
 
-PAGES = ("weights", "nist-ptfe", "radiance-xml", "radiance-materials", "export", "other-instruments")
+PAGES = (
+    "weights",
+    "nist-ptfe",
+    "radiance-xml",
+    "radiance-materials",
+    "samplers",
+    "mutants",
+    "export",
+    "other-instruments",
+)
 
 
 def main(wanted: list[str]) -> int:

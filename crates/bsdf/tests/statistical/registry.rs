@@ -15,6 +15,11 @@ const FALSE_ALARM: f64 = 1e-3;
 /// Samples a case in the tests that always run.
 const SAMPLES: u64 = 500_000;
 
+/// The number of samples that `GONIO_SAMPLES` names, else `default`.
+fn samples_or(default: u64) -> u64 {
+    std::env::var("GONIO_SAMPLES").map_or(default, |n| n.parse().unwrap())
+}
+
 /// A model under test with all its settings.
 struct Subject {
     name: &'static str,
@@ -145,9 +150,10 @@ fn some_cases() -> Vec<Case> {
 }
 
 static TRIALS: LazyLock<Vec<(String, Trial)>> = LazyLock::new(|| {
+    let samples = samples_or(SAMPLES);
     some_cases()
         .par_iter()
-        .map(|case| (case.label(), case.trial(SAMPLES)))
+        .map(|case| (case.label(), case.trial(samples)))
         .collect()
 });
 
@@ -200,11 +206,11 @@ fn the_mean_weight_is_the_albedo_by_t_test() {
 }
 
 /// The whole grid at ten million samples a case: half an hour of both cores, so only when asked for. Writes one line
-/// a case to the file that `GONIO_SAMPLERS` names; `GONIO_SAMPLES` changes the number of samples.
+/// a case to the file that `GONIO_SAMPLERS` names.
 #[test]
 #[ignore = "half an hour; `make validate` runs it"]
 fn the_whole_grid_at_ten_million_samples() {
-    let samples = std::env::var("GONIO_SAMPLES").map_or(10_000_000, |n| n.parse().unwrap());
+    let samples = samples_or(10_000_000);
     let cases = all_cases();
     let least = sidak(FALSE_ALARM, cases.len());
     let rows: Vec<(bool, String)> = cases
