@@ -14,6 +14,7 @@ from pathlib import Path
 from .edits import MUTANTS, Mutant
 
 ROOT = Path(__file__).parents[2]
+SOURCES = ROOT / "crates" / "bsdf" / "src"
 # The laws first; closed forms and worked examples only for what the laws cannot see.
 STAGES = (
     ("--test", "statistical", "--test", "property"),
@@ -87,7 +88,7 @@ class Copy:
 
     def try_mutant(self, mutant: Mutant) -> Outcome:
         """Runs the tests with `mutant` in place and takes it out again."""
-        path = self.folder / "crates" / "bsdf" / "src" / mutant.file
+        path = self.folder / SOURCES.relative_to(ROOT) / mutant.file
         sound = path.read_text(encoding="utf-8")
         if sound.count(mutant.old) != 1:
             raise Broken(f"{mutant.file} has {mutant.old!r} {sound.count(mutant.old)} times, not once")

@@ -47,8 +47,8 @@ MUTANTS = (
     Mutant(
         "the Jacobian of the half vector forgotten: the density of facets taken for that of directions",
         SLOPES,
-        "* h.length_squared() / (2.0 * h.z.powi(3))",
-        "* h.length().powi(3) / h.z.powi(3)",
+        "self.density(h) * length2 / (h[2] * h[2] * h[2] * 2.0)",
+        "self.density(h) * length2 * length2.sqrt() / (h[2] * h[2] * h[2])",
         ("ward-gmd",),
     ),
     Mutant(
@@ -61,15 +61,15 @@ MUTANTS = (
     Mutant(
         "the axes of an anisotropic sampler turned the wrong way",
         SLOPES,
-        "DVec3::new(c * x - s * y, s * x + c * y, 1.0)",
-        "DVec3::new(c * x + s * y, c * y - s * x, 1.0)",
+        "[c * x - s * y, s * x + c * y, R::constant(1.0)]",
+        "[c * x + s * y, c * y - s * x, R::constant(1.0)]",
         ("ward-gmd-anisotropic",),
     ),
     Mutant(
         "the exponent of the sampled lobe off by 2 %",
         SLOPES,
-        "(-(1.0 - u[0]).ln())",
-        "(-0.98 * (1.0 - u[0]).ln())",
+        "(-(R::constant(1.0) - u[0]).ln())",
+        "((R::constant(1.0) - u[0]).ln() * -0.98)",
         ("ward-gmd",),
         2_000_000,
     ),
