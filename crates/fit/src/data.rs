@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use gonio_bsdf::Channel;
 use gonio_bsdf::analytic::Pairs;
 use gonio_geom::{Angles, Component, Direction};
-use gonio_scan::{Measurement, Slice};
+use gonio_scan::{Measurement, Slice, resolution_uncertainty};
 use rayon::prelude::*;
 
 use crate::cells::{CELLS, Cells};
@@ -101,11 +101,13 @@ const LEAST_FLOOR: f64 = 1e-7;
 const EXTRA: f64 = 0.5;
 
 impl FitData {
-    /// The usable readings of `measurement` in components for which `described` holds.
+    /// The usable readings of `measurement` in components for which `described` holds. With `signature`, the beam profile
+    /// is known to the model, and the uncertainty that the beam's width adds to a reading is taken out.
     pub(crate) fn new(
         measurement: &Measurement,
         selection: &Selection,
         described: impl Fn(Component) -> bool,
+        signature: bool,
     ) -> Result<Self, FitError> {
         let channels = chosen_channels(measurement, &selection.channels)?;
         let mut counts = BTreeMap::<Reason, usize>::new();
@@ -159,16 +161,26 @@ impl FitData {
                     None => kept[slot(component)].push(j as u32),
                 }
             }
+            let mut beams = measurement.processing.beams.iter();
+            let beam = beams.find(|b| signature && b.channel == slice.channel);
+            let resolution =
+                beam.map(|b| resolution_uncertainty(slice, b.signature.second_moment, b.signature.fwhm));
             for (index, component) in kept.iter().zip([Component::Reflection, Component::Transmission]) {
                 if !index.is_empty() {
-                    slabs.push(Slab::new(k, channel, at, component, slice, index));
+                    slabs.push(Slab::new(
+                        (k, channel, at),
+                        component,
+                        slice,
+                        index,
+                        resolution.as_deref(),
+                    ));
                 }
             }
         }
         normalise_solid_angles(&mut slabs);
         let profiles = channels
             .iter()
-            .map(|c| Profile::of_measurement(measurement, *c))
+            .map(|c| Profile::of_measurement(measurement, *c).filter(|_| signature))
             .collect();
         let mut data = FitData {
             channels,
@@ -334,18 +346,18 @@ impl FitData {
 
 impl Slab {
     fn new(
-        position: usize,
-        channel: usize,
-        incidence: usize,
+        (position, channel, incidence): (usize, usize, usize),
         component: Component,
         slice: &Slice,
         index: &[u32],
+        resolution: Option<&[f64]>,
     ) -> Self {
         let wi = slice.incidence.direction();
         let take = |f: &dyn Fn(usize) -> f64| -> Vec<f64> { index.iter().map(|&j| f(j as usize)).collect() };
         let y = take(&|j| slice.dsf[j]);
         let u = take(&|j| {
-            let u = slice.u_independent(j);
+            let r = resolution.map_or(0.0, |r| r[j]);
+            let u = (slice.u_independent(j).powi(2) - r * r).max(0.0).sqrt();
             if u.is_finite() { u } else { 0.0 }
         });
         let known = NoiseLaw::of_uncertainties(&y, &u);

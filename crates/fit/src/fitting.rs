@@ -36,10 +36,8 @@ const LEAST_WIDTH: f64 = 1.0 / 6.0;
 /// [`FitError`]: an unknown channel or option, too few readings, readings of another component than the model's, no
 /// signal, or a search that finds no minimum. Anything short of that is a [`crate::result::Warning`].
 pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>) -> Result<Fit, FitError> {
-    let mut data = FitData::new(measurement, &options.selection, |c| model.scatters_into(c))?;
-    if !options.signature {
-        data.profiles.iter_mut().for_each(|p| *p = None);
-    }
+    let described = |c| model.scatters_into(c);
+    let mut data = FitData::new(measurement, &options.selection, described, options.signature)?;
     let setting = Setting::new(model, &data, options)?;
     check(&data, model, &setting)?;
     let start = setting.start(&data, None)?;
@@ -212,7 +210,8 @@ impl<'a> Setting<'a> {
             Some(x) => vec![x.to_vec()],
             None => {
                 let points = starts(&self.chart, &self.low, &self.high, &self.held, &self.defaults);
-                search(&self.chart, &part, points, self.bounds(), &rough)
+                let few = data.thinned(self.start_readings / 3);
+                search(&self.chart, (&few, &part), points, self.bounds(), &rough)
                     .into_iter()
                     .map(|s| s.x)
                     .collect()

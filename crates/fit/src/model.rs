@@ -81,7 +81,7 @@ impl FitModel {
             let info = family.info();
             let own = info.parameters[k].name;
             match own {
-                "rho" if info.name == "lambert" => "kd".into(),
+                "rho" if matches!(info.name, "lambert" | "oren-nayar") => "kd".into(),
                 "rho" => "ks".into(),
                 "tau" if info.name == "lambert-transmission" => "td".into(),
                 "tau" => "ts".into(),

@@ -129,6 +129,23 @@ const RECIPES: &[Recipe] = &[
             ),
         ],
     },
+    Recipe {
+        name: "trans2",
+        title: "Radiance trans2",
+        parameters: &[COLOR, SPECULARITY, TRANS, TSPEC, ALPHA_X, ALPHA_Y, PHI_X],
+        parts: &[
+            ("lambert", &["color*(1-specularity)*(1-trans)"]),
+            (
+                "ward-gmd-anisotropic",
+                &["specularity", "alpha_x", "alpha_y", "phi_x"],
+            ),
+            ("lambert-transmission", &["color*(1-specularity)*trans*(1-tspec)"]),
+            (
+                "transmission-lobe-anisotropic",
+                &["color*(1-specularity)*trans*tspec", "alpha_x", "alpha_y", "phi_x"],
+            ),
+        ],
+    },
 ];
 
 /// Models that stand for themselves; a diffuse part beside them would be the same again.

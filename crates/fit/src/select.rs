@@ -95,7 +95,7 @@ pub struct Choice {
 /// # Errors
 /// [`FitError`] when the selection names an unknown channel or the list of models is broken.
 pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Vec<FitModel>, FitError> {
-    let data = FitData::new(measurement, selection, |_| true)?;
+    let data = FitData::new(measurement, selection, |_| true, false)?;
     let has = |c| data.slabs.iter().any(|s| s.component == c);
     let (reflects, transmits) = (has(Component::Reflection), has(Component::Transmission));
     let fits = |m: &FitModel| {
@@ -202,10 +202,8 @@ pub fn leave_one_incidence_out(
     options: &FitOptions<'_>,
 ) -> Result<Vec<HeldOut>, FitError> {
     let model = &found.model;
-    let mut data = FitData::new(measurement, &options.selection, |c| model.scatters_into(c))?;
-    if !options.signature {
-        data.profiles.iter_mut().for_each(|p| *p = None);
-    }
+    let described = |c| model.scatters_into(c);
+    let data = FitData::new(measurement, &options.selection, described, options.signature)?;
     let setting = Setting::new(model, &data, options)?;
     let measured: Vec<usize> = (0..data.incidences.len())
         .filter(|&i| data.slabs.iter().any(|s| s.incidence == i))

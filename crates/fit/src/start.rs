@@ -63,15 +63,15 @@ pub(crate) fn starts(
 
 /// The best few minima in the cube-root metric from all starting points, best first. Cube roots compress the range of
 /// the readings, so that neither the peak nor the floor rules far from the minimum. First the amplitudes alone are fitted, in
-/// which the models are nearly linear, then everything.
+/// which the models are nearly linear, to the readings `few`; then everything to all of `data`.
 pub(crate) fn search(
     chart: &Chart<'_>,
-    data: &FitData,
+    (few, data): (&FitData, &FitData),
     points: Vec<Vec<f64>>,
     (low, high): (&[f64], &[f64]),
     options: &SolverOptions<'_>,
 ) -> Vec<Solution> {
-    let objective = Objective {
+    let objective = |data| Objective {
         chart,
         data,
         metric: Metric::CubeRoot,
@@ -84,7 +84,7 @@ pub(crate) fn search(
         .enumerate()
         .map(|(k, v)| options.fixed[k] || chart.model.parameters[v.parameter].role != Role::Amplitude)
         .collect();
-    let run = |points: Vec<Vec<f64>>, fixed: &[bool], most: usize, kept: usize| -> Vec<Solution> {
+    let run = |data, points: Vec<Vec<f64>>, fixed: &[bool], most: usize, kept: usize| -> Vec<Solution> {
         let options = SolverOptions {
             fixed,
             max_evaluations: most,
@@ -93,14 +93,14 @@ pub(crate) fn search(
         };
         let mut found: Vec<Solution> = points
             .iter()
-            .map(|x| minimise(&objective, x, low, high, &options))
+            .map(|x| minimise(&objective(data), x, low, high, &options))
             .filter(|s| s.stop != Stop::NotFinite)
             .collect();
         found.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
         found.truncate(kept);
         found
     };
-    let amplitudes = run(points, &held, 12, FOLLOWED);
+    let amplitudes = run(few, points, &held, 12, FOLLOWED);
     let points = amplitudes.into_iter().map(|s| s.x).collect();
-    run(points, options.fixed, 80, FINISHED)
+    run(data, points, options.fixed, 80, FINISHED)
 }

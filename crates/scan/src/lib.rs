@@ -37,6 +37,7 @@ pub use check::{CheckOptions, check, repeatability};
 pub use dark::{DarkMethod, DarkOptions, DarkSummary};
 pub use error::ScanError;
 pub use flags::Flags;
+pub use local::resolution_uncertainty;
 pub use measurement::{HemisphericalIntegral, Measurement, Slice};
 pub use nearest::DirectionIndex;
 pub use noise::{NoiseModel, NoiseOrigin};

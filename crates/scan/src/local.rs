@@ -4,6 +4,19 @@ use gonio_geom::{DVec3, Delaunay, Side};
 
 use crate::Slice;
 
+/// Standard uncertainty of every DSF from the width of the beam, 1/sr: `second_moment / 2 abs(D'')` along the path, the
+/// whole of the bias that a profile of this second moment (rad^2) and full width `fwhm` (radians) causes. It is part of
+/// `u_dsf` wherever a reference scan was processed; what folds the beam into a model takes it out again. Zero for a width
+/// that is not finite, and where [`Slice::dsf`] gives no curvature (path turns, jumps or ends).
+pub fn resolution_uncertainty(slice: &Slice, second_moment: f64, fwhm: f64) -> Vec<f64> {
+    if !fwhm.is_finite() {
+        return vec![0.0; slice.len()];
+    }
+    let mut u = path_curvature(slice, 1.5 * fwhm);
+    u.iter_mut().for_each(|c| *c = (0.5 * second_moment * *c).abs());
+    u
+}
+
 /// Second derivative of the DSF along the path at every reading, 1/(sr rad^2), from a parabola through the
 /// neighbours within `reach` radians on either side (at least one). Zero where the path turns, jumps or ends.
 pub(crate) fn path_curvature(slice: &Slice, reach: f64) -> Vec<f64> {

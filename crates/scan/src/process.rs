@@ -8,7 +8,7 @@ use crate::beam::beam_power;
 use crate::blank::{blank_match, place, summed_up};
 use crate::dark::{DarkOptions, DarkSummary, subtract};
 use crate::flagging::{Apertures, half_angle, raw_flags};
-use crate::local::{gradient, path_curvature};
+use crate::local::{gradient, resolution_uncertainty};
 use crate::validate::{sample_records, well_formed};
 use crate::weigh::weigh;
 use crate::{Beam, Flags, Measurement, NoiseModel, Processing, Scan, ScanError, ScanKind, Slice, Verdict};
@@ -451,12 +451,10 @@ pub(crate) fn add_local_uncertainty(slice: &mut Slice, resolution: Option<(f64, 
             *u = u.hypot(g * u_angle);
         }
     }
-    if let Some((moment, fwhm)) = resolution
-        && fwhm.is_finite()
-    {
-        let curvature = path_curvature(slice, 1.5 * fwhm);
-        for (u, c) in slice.u_dsf.iter_mut().zip(curvature) {
-            *u = u.hypot(0.5 * moment * c);
+    if let Some((moment, fwhm)) = resolution {
+        let own = resolution_uncertainty(slice, moment, fwhm);
+        for (u, r) in slice.u_dsf.iter_mut().zip(own) {
+            *u = u.hypot(r);
         }
     }
 }

@@ -1,10 +1,6 @@
 //! Noise-free measurements give their parameters back.
 
-#![allow(clippy::unwrap_used)] // helpers of tests fail a test by panicking, as the tests themselves do
-
-mod common;
-
-use common::{Campaign, measure, random_parameters, rng};
+use crate::common::{Campaign, measure, random_parameters, rng};
 use gonio_bsdf::Channel;
 use gonio_fit::{FitOptions, Kind, fit, fit_model, fit_models};
 

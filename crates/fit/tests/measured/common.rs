@@ -99,7 +99,7 @@ fn seen(dsf: &dyn Fn(Direction) -> f64, d: Direction, fwhm: Option<f64>) -> f64 
     let Some(fwhm) = fwhm else { return dsf(d) };
     let w = fwhm.to_radians() / (2.0 * 2.0_f64.ln().sqrt());
     let (a, b) = d.vec().any_orthonormal_pair();
-    let (rings, spokes) = (24, 12);
+    let (rings, spokes) = (10, 8);
     let mut sum = 0.0;
     for r in 0..rings {
         // Rings of equal power exp(-g^2/w^2); each at its mean of g^2, so that the second moment is exact.

@@ -1,10 +1,6 @@
 //! Outliers, wrong models, narrow lobes and bad input.
 
-#![allow(clippy::unwrap_used)] // helpers of tests fail a test by panicking, as the tests themselves do
-
-mod common;
-
-use common::{Campaign, measure, rng, uniform};
+use crate::common::{Campaign, measure, rng, uniform};
 use gonio_bsdf::Channel;
 use gonio_fit::metric::Metric;
 use gonio_fit::{Fit, FitError, FitOptions, Interval, Kind, Reason, Selection, fit, fit_model, select};
