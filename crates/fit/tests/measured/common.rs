@@ -99,7 +99,8 @@ fn seen(dsf: &dyn Fn(Direction) -> f64, d: Direction, fwhm: Option<f64>) -> f64 
     let Some(fwhm) = fwhm else { return dsf(d) };
     let w = fwhm.to_radians() / (2.0 * 2.0_f64.ln().sqrt());
     let (a, b) = d.vec().any_orthonormal_pair();
-    let (rings, spokes) = (10, 8);
+    // Wide beams need more directions.
+    let (rings, spokes) = if fwhm < 1.0 { (10, 8) } else { (24, 12) };
     let mut sum = 0.0;
     for r in 0..rings {
         // Rings of equal power exp(-g^2/w^2); each at its mean of g^2, so that the second moment is exact.
