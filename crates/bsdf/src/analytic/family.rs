@@ -26,6 +26,10 @@ pub trait Family: Send + Sync {
     /// are not checked against their range.
     fn dsf_and_gradient(&self, p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64], gradient: &mut [f64]);
 
+    /// Refractive index behind the sample over that in front of it, for parameters `p`: transmission is reciprocal in
+    /// `f / n_s^2`.
+    fn index_ratio(&self, p: &[f64]) -> f64;
+
     /// The DSF of each pair, as [`Family::dsf_and_gradient`].
     fn dsf(&self, p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64]);
 }
@@ -57,13 +61,17 @@ impl<F: Formula, const N: usize> Family for Of<F, N> {
         assert_eq!(p.len(), N, "parameters of {}", F::INFO.name);
         assert_eq!(dsf.len(), pairs.len(), "one value a pair");
         assert_eq!(gradient.len(), N * pairs.len(), "one row a parameter");
-        gradient_loop::<F, N>(p, pairs.columns, dsf, gradient);
+        gradient_loop::<F, N>(p, pairs, dsf, gradient);
+    }
+
+    fn index_ratio(&self, p: &[f64]) -> f64 {
+        F::index_ratio(p)
     }
 
     fn dsf(&self, p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64]) {
         assert_eq!(p.len(), N, "parameters of {}", F::INFO.name);
         assert_eq!(dsf.len(), pairs.len(), "one value a pair");
-        value_loop::<F, N>(p, pairs.columns, dsf);
+        value_loop::<F, N>(p, pairs, dsf);
     }
 }
 
@@ -97,6 +105,12 @@ fn pair(b: &Block, l: usize) -> Pair<Fast<f64>> {
     }
 }
 
+/// Whether light of pair `j` came from the back.
+#[inline(always)]
+fn from_back(origin: &[f64], j: usize) -> bool {
+    origin.get(j).is_some_and(|z| *z < 0.0)
+}
+
 /// `|cos theta_s|` where the formula holds, else 0.
 #[inline(always)]
 fn cosine<F: Formula>(ci: f64, cs: f64) -> f64 {
@@ -107,15 +121,21 @@ fn cosine<F: Formula>(ci: f64, cs: f64) -> f64 {
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
-fn value_loop<F: Formula, const N: usize>(p: &[f64], columns: [&[f64]; 6], dsf: &mut [f64]) {
+fn value_loop<F: Formula, const N: usize>(p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64]) {
     let parameters: [Fast<f64>; N] = std::array::from_fn(|k| Fast(p[k]));
     let shape = F::shape::<Fast<f64>>(&parameters);
+    let behind = F::behind(&shape);
     for (k, out) in dsf.chunks_mut(LANES).enumerate() {
-        let b = block(columns, k * LANES);
+        let b = block(pairs.columns, k * LANES);
         let mut value = [0.0; LANES];
         for l in 0..LANES {
             let c = cosine::<F>(b[2][l], b[5][l]);
-            let f = F::bsdf::<Fast<f64>>(&shape, &pair(&b, l)).0 * c;
+            let seen = if F::SIDED && from_back(pairs.origin, k * LANES + l) {
+                &behind
+            } else {
+                &shape
+            };
+            let f = F::bsdf::<Fast<f64>>(seen, &pair(&b, l)).0 * c;
             value[l] = if c > 0.0 { f } else { 0.0 };
         }
         out.copy_from_slice(&value[..out.len()]);
@@ -125,20 +145,26 @@ fn value_loop<F: Formula, const N: usize>(p: &[f64], columns: [&[f64]; 6], dsf: 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
 fn gradient_loop<F: Formula, const N: usize>(
     p: &[f64],
-    columns: [&[f64]; 6],
+    pairs: PairsView<'_>,
     dsf: &mut [f64],
     gradient: &mut [f64],
 ) {
     let n = dsf.len();
     let parameters: [Dual<Fast<f64>, N>; N] = std::array::from_fn(|k| Dual::variable(p[k], k));
     let shape = F::shape::<Dual<Fast<f64>, N>>(&parameters);
+    let behind = F::behind(&shape);
     for (k, out) in dsf.chunks_mut(LANES).enumerate() {
-        let b = block(columns, k * LANES);
+        let b = block(pairs.columns, k * LANES);
         let mut value = [0.0; LANES];
         let mut slope = [[0.0; LANES]; N];
         for l in 0..LANES {
             let c = cosine::<F>(b[2][l], b[5][l]);
-            let f = F::bsdf::<Dual<Fast<f64>, N>>(&shape, &pair(&b, l)).times(Fast(c));
+            let seen = if F::SIDED && from_back(pairs.origin, k * LANES + l) {
+                &behind
+            } else {
+                &shape
+            };
+            let f = F::bsdf::<Dual<Fast<f64>, N>>(seen, &pair(&b, l)).times(Fast(c));
             value[l] = if c > 0.0 { f.value.0 } else { 0.0 };
             for (row, d) in slope.iter_mut().zip(f.slope) {
                 row[l] = if c > 0.0 { d.0 } else { 0.0 };

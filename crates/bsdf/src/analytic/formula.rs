@@ -7,7 +7,8 @@ use super::{ModelInfo, Pair, Real};
 /// A scattering model written once, for every number type: evaluation, vectorised evaluation, derivatives, sampling
 /// and the registry entry follow from it.
 ///
-/// A formula holds for both sides of the sample alike: its pairs have `wi.z > 0`. The caller keeps it from directions
+/// A formula sees pairs with `wi.z > 0`. For light from the back the caller mirrors the pair in the sample plane and
+/// prepares the parameters with [`Formula::behind`], unless both sides are alike. The caller keeps it from directions
 /// on the horizon and on the side it does not scatter to; there it may return anything.
 pub trait Formula: Send + Sync + 'static {
     /// The model as data.
@@ -18,6 +19,20 @@ pub trait Formula: Send + Sync + 'static {
 
     /// Prepares parameters `p`, in the order of [`ModelInfo::parameters`].
     fn shape<R: Real>(p: &[R]) -> Self::Shape<R>;
+
+    /// Whether the two sides of the sample differ; [`Formula::behind`] then says how.
+    const SIDED: bool = false;
+
+    /// The prepared parameters as light from the back sees them.
+    fn behind<R: Real>(shape: &Self::Shape<R>) -> Self::Shape<R> {
+        *shape
+    }
+
+    /// Refractive index behind the sample over that in front of it; 1 for a sample in air. Transmission is reciprocal
+    /// in `f / n_s^2`, `n_s` the index on the side of `ws`.
+    fn index_ratio(_p: &[f64]) -> f64 {
+        1.0
+    }
 
     /// `f` in 1/sr. Mark it `#[inline(always)]`: loops over readings vectorise it.
     fn bsdf<R: Real>(shape: &Self::Shape<R>, pair: &Pair<R::Plain>) -> R;

@@ -12,6 +12,7 @@ pub mod harvey_shack;
 pub mod info;
 pub mod lambert;
 mod lanes;
+pub mod microfacet;
 pub mod model;
 pub mod oren_nayar;
 pub mod pair;

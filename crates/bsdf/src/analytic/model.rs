@@ -10,7 +10,8 @@ use crate::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
 pub struct Analytic<F: Formula> {
     channels: Vec<Channel>,
     parameters: Vec<Vec<f64>>,
-    shapes: Vec<F::Shape<f64>>,
+    /// For light from the front and from the back.
+    shapes: [Vec<F::Shape<f64>>; 2],
     properties: Properties,
 }
 
@@ -23,11 +24,11 @@ impl<F: Formula> Analytic<F> {
         let mut model = Analytic {
             channels: Vec::new(),
             parameters: Vec::new(),
-            shapes: Vec::new(),
+            shapes: [Vec::new(), Vec::new()],
             properties: Properties {
                 reciprocal: F::INFO.keeps(Law::Reciprocity),
                 energy_conserving: F::INFO.keeps(Law::Energy),
-                isotropic: parameters.iter().all(|(_, p)| F::isotropic(p)),
+                isotropic: true,
             },
         };
         if parameters.is_empty() {
@@ -57,7 +58,11 @@ impl<F: Formula> Analytic<F> {
                 in_range(info.name, value, info.low, info.high)?;
             }
             model.channels.push(*channel);
-            model.shapes.push(F::shape::<f64>(p));
+            model.properties.reciprocal &= F::index_ratio(p) == 1.0;
+            model.properties.isotropic &= F::isotropic(p);
+            let shape = F::shape::<f64>(p);
+            model.shapes[0].push(shape);
+            model.shapes[1].push(F::behind::<f64>(&shape));
             model.parameters.push(p.clone());
         }
         Ok(model)
@@ -80,6 +85,11 @@ impl<F: Formula> Analytic<F> {
     /// The parameters of each channel.
     pub fn parameters(&self) -> &[Vec<f64>] {
         &self.parameters
+    }
+
+    /// Prepared parameters of each channel for `w` on its side.
+    fn shapes(&self, w: Direction) -> &[F::Shape<f64>] {
+        &self.shapes[usize::from(w.cos_theta() < 0.0)]
     }
 
     /// Whether a pair is lit: off the horizon and of a component the model scatters into.
@@ -134,7 +144,7 @@ impl<F: Formula> Bsdf for Analytic<F> {
             return;
         }
         let pair = Pair::new(wi, ws);
-        for (f, shape) in f.iter_mut().zip(&self.shapes) {
+        for (f, shape) in f.iter_mut().zip(self.shapes(wi)) {
             let value = F::bsdf::<f64>(shape, &pair);
             *f = if value > 0.0 { value } else { 0.0 };
         }
@@ -144,7 +154,7 @@ impl<F: Formula> Bsdf for Analytic<F> {
         if !Self::lit(wi, ws) {
             return 0.0;
         }
-        let value = F::bsdf::<f64>(&self.shapes[0], &Pair::new(wi, ws));
+        let value = F::bsdf::<f64>(&self.shapes(wi)[0], &Pair::new(wi, ws));
         if value > 0.0 { value } else { 0.0 }
     }
 
@@ -152,7 +162,7 @@ impl<F: Formula> Bsdf for Analytic<F> {
         if !Self::lit(w, sampled) {
             return 0.0;
         }
-        F::pdf(&self.shapes[0], in_front(w, w), in_front(w, sampled))
+        F::pdf(&self.shapes(w)[0], in_front(w, w), in_front(w, sampled))
     }
 
     /// Samples the first channel's lobe, whatever its amplitude: another channel, or another part of a sum, may have
@@ -161,7 +171,7 @@ impl<F: Formula> Bsdf for Analytic<F> {
         if w.cos_theta() == 0.0 {
             return None;
         }
-        let direction = in_front(w, F::sample(&self.shapes[0], in_front(w, w), u)?);
+        let direction = in_front(w, F::sample(&self.shapes(w)[0], in_front(w, w), u)?);
         let pdf = Bsdf::pdf(self, w, direction);
         let weight = self.eval_first(w, direction) * direction.cos_theta().abs() / pdf;
         (pdf > 0.0 && weight.is_finite()).then_some(Sample {

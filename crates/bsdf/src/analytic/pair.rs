@@ -65,6 +65,8 @@ impl Pair<f64> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pairs {
     columns: [Vec<f64>; 6],
+    /// `z` of `wi` before a pair from the back was mirrored.
+    origin: Vec<f64>,
 }
 
 impl Pairs {
@@ -72,6 +74,7 @@ impl Pairs {
     pub fn with_capacity(n: usize) -> Self {
         Pairs {
             columns: std::array::from_fn(|_| Vec::with_capacity(n)),
+            origin: Vec::with_capacity(n),
         }
     }
 
@@ -81,6 +84,7 @@ impl Pairs {
         for (column, v) in self.columns.iter_mut().zip(pair.wi.into_iter().chain(pair.ws)) {
             column.push(v);
         }
+        self.origin.push(wi.cos_theta());
     }
 
     /// Number of pairs.
@@ -97,6 +101,7 @@ impl Pairs {
     pub fn view(&self, range: std::ops::Range<usize>) -> PairsView<'_> {
         PairsView {
             columns: std::array::from_fn(|k| &self.columns[k][range.clone()]),
+            origin: &self.origin[range],
         }
     }
 
@@ -115,6 +120,8 @@ impl Pairs {
 #[derive(Clone, Copy, Debug)]
 pub struct PairsView<'a> {
     pub(super) columns: [&'a [f64]; 6],
+    /// Negative where light came from the back.
+    pub(super) origin: &'a [f64],
 }
 
 impl PairsView<'_> {

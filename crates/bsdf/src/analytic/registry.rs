@@ -1,5 +1,10 @@
 //! The list of every analytic model.
 
+use super::microfacet::catalogue::{
+    BeckmannConductor, BeckmannConductorAnisotropic, BeckmannDielectric, BeckmannDielectricAnisotropic,
+    BeckmannSchlick, BeckmannSchlickAnisotropic, GgxConductor, GgxConductorAnisotropic, GgxDielectric,
+    GgxDielectricAnisotropic, GgxSchlick, GgxSchlickAnisotropic,
+};
 use super::{
     Abg, AbgTransmission, AnisotropicTransmissionLobe, AshikhminShirley, AshikhminShirleyIsotropic,
     BoundedTransmissionLobe, Family, HarveyShack, HarveyShackTransmission, LambertReflection,
@@ -25,6 +30,18 @@ pub fn families() -> &'static [&'static dyn Family] {
         &Of::<AnisotropicTransmissionLobe, 4>::NEW,
         &Of::<AshikhminShirleyIsotropic, 3>::NEW,
         &Of::<AshikhminShirley, 5>::NEW,
+        &Of::<GgxSchlick, 2>::NEW,
+        &Of::<GgxSchlickAnisotropic, 4>::NEW,
+        &Of::<BeckmannSchlick, 2>::NEW,
+        &Of::<BeckmannSchlickAnisotropic, 4>::NEW,
+        &Of::<GgxConductor, 3>::NEW,
+        &Of::<GgxConductorAnisotropic, 5>::NEW,
+        &Of::<BeckmannConductor, 3>::NEW,
+        &Of::<BeckmannConductorAnisotropic, 5>::NEW,
+        &Of::<GgxDielectric, 2>::NEW,
+        &Of::<GgxDielectricAnisotropic, 4>::NEW,
+        &Of::<BeckmannDielectric, 2>::NEW,
+        &Of::<BeckmannDielectricAnisotropic, 4>::NEW,
         &Of::<Abg, 3>::NEW,
         &Of::<AbgTransmission, 3>::NEW,
         &Of::<HarveyShack, 3>::NEW,
@@ -104,8 +121,11 @@ mod tests {
             let mut lit = 0;
             for (j, &got) in dsf.iter().enumerate() {
                 let v = pairs.view(j..j + 1).columns.map(|c| c[0]);
-                let [wi, ws] = [[v[0], v[1], v[2]], [v[3], v[4], v[5]]]
-                    .map(|a| Direction::from_unit(gonio_geom::DVec3::from_array(a)));
+                let back = pairs.view(j..j + 1).origin[0] < 0.0;
+                let [wi, ws] = [[v[0], v[1], v[2]], [v[3], v[4], v[5]]].map(|a| {
+                    let d = Direction::from_unit(gonio_geom::DVec3::from_array(a));
+                    if back { d.flipped() } else { d }
+                });
                 let want = model.eval_first(wi, ws) * ws.cos_theta().abs();
                 assert!(
                     (got - want).abs() <= 1e-11 * want,

@@ -1,0 +1,78 @@
+//! The GGX (Trowbridge-Reitz) distribution of facet normals.
+
+use std::f64::consts::PI;
+
+use crate::analytic::Real;
+
+use super::distribution::unit;
+use super::{Distribution, Widths};
+
+/// `D = 1 / (pi alpha_x alpha_y ((h_x/alpha_x)^2 + (h_y/alpha_y)^2 + h_z^2)^2)`, `Lambda = (sqrt(1 + 1/a^2) - 1) / 2`
+/// with `a = cos / sqrt((alpha_x v_x)^2 + (alpha_y v_y)^2)` [Walter2007, eq. 33 and 34; Heitz2014, eq. 85 and 86 for two
+/// widths].
+#[derive(Clone, Copy, Debug)]
+pub struct Ggx;
+
+/// `|cos| sqrt(1 + 1/a^2)`: the length of `v` stretched by the widths.
+#[inline(always)]
+fn reach<W: Widths, R: Real>(widths: &W::Shape<R>, v: [R::Plain; 3]) -> R {
+    W::stretched(widths, v).plus(v[2] * v[2]).sqrt()
+}
+
+impl Ggx {
+    /// [`Distribution::visible_normal`] without branches, by spherical caps [DupuyBenyoub2023, listing 3].
+    #[inline(always)]
+    pub fn visible_normal_lanes<W: Widths, R: Real<Plain = R>>(
+        widths: &W::Shape<R>,
+        w: [R; 3],
+        u: [R; 2],
+    ) -> [R; 3] {
+        let v = W::stretch(widths, w);
+        let r = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().recip();
+        let v = [v[0] * r, v[1] * r, v[2] * r];
+        // A point of the cap of the unit sphere that is seen from v, evenly: z in (-v_z, 1].
+        let z = (R::constant(1.0) - u[1]) * (v[2] + 1.0) - v[2];
+        let sine = (R::constant(1.0) - z * z).max(R::constant(0.0)).sqrt();
+        let (s, c) = (u[0] * (2.0 * PI)).sin_cos();
+        W::unstretch(widths, [sine * c + v[0], sine * s + v[1], z + v[2]])
+    }
+}
+
+impl Distribution for Ggx {
+    #[inline(always)]
+    fn slopes<R: Real>(q: R) -> R {
+        (q + 1.0).squared().recip()
+    }
+
+    #[inline(always)]
+    fn masking<W: Widths, R: Real>(widths: &W::Shape<R>, v: [R::Plain; 3]) -> R {
+        reach::<W, R>(widths, v).plus(v[2].abs()).recip() * 2.0
+    }
+
+    #[inline(always)]
+    fn visibility<W: Widths, R: Real>(widths: &W::Shape<R>, wi: [R::Plain; 3], ws: [R::Plain; 3]) -> R {
+        let (ci, cs) = (wi[2].abs(), ws[2].abs());
+        let sum = reach::<W, R>(widths, wi).times(cs) + reach::<W, R>(widths, ws).times(ci);
+        sum.recip() * 0.5
+    }
+
+    fn visible_normal<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], u: [f64; 2]) -> [f64; 3] {
+        Ggx::visible_normal_lanes::<W, f64>(widths, w, u)
+    }
+
+    /// Gauss-Legendre times the trapezoid rule over the cap that [`Ggx::visible_normal_lanes`] fills evenly.
+    fn visible_mean<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], g: impl Fn([f64; 3]) -> f64) -> f64 {
+        const TURNS: usize = 48;
+        super::quadrature::unit_interval()
+            .map(|(u, weight)| {
+                let sum: f64 = (0..TURNS)
+                    .map(|k| {
+                        let turn = (k as f64 + 0.5) / TURNS as f64;
+                        g(unit(Ggx::visible_normal::<W>(widths, w, [turn, u])))
+                    })
+                    .sum();
+                weight * sum / TURNS as f64
+            })
+            .sum()
+    }
+}
