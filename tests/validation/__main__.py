@@ -23,6 +23,7 @@ PAGES = (
     "mutants",
     "export",
     "other-instruments",
+    "microfacet",
 )
 
 

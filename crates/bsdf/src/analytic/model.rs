@@ -3,7 +3,7 @@
 use gonio_geom::{Component, Direction};
 
 use super::{Formula, Law, Pair, Spectrum, in_range, lanes};
-use crate::batch::{Directions, SampleColumns, sample_each};
+use crate::batch::{Directions, SampleColumns, eval_each, sample_each};
 use crate::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
 
 /// The model of formula `F` with one set of parameters a channel.
@@ -183,15 +183,21 @@ impl<F: Formula> Bsdf for Analytic<F> {
     }
 
     fn eval_f32(&self, wi: Directions<'_, f32>, ws: Directions<'_, f32>, f: &mut [&mut [f32]]) {
+        if F::SIDED {
+            return eval_each(self, wi, ws, f);
+        }
         lanes::eval_together::<F>(&self.parameters, wi, ws, f);
     }
 
     fn eval_f64(&self, wi: Directions<'_, f64>, ws: Directions<'_, f64>, f: &mut [&mut [f64]]) {
+        if F::SIDED {
+            return eval_each(self, wi, ws, f);
+        }
         lanes::eval::<F, f64>(&self.parameters, wi, ws, f);
     }
 
     fn sample_f32(&self, w: Directions<'_, f32>, u: [&[f32]; 3], out: &mut SampleColumns<'_, f32>) {
-        if F::SAMPLES_LANES {
+        if F::SAMPLES_LANES && !F::SIDED {
             lanes::sample_together::<F>(&self.parameters, w, u, out);
         } else {
             sample_each(self, w, u, out);
@@ -199,7 +205,7 @@ impl<F: Formula> Bsdf for Analytic<F> {
     }
 
     fn sample_f64(&self, w: Directions<'_, f64>, u: [&[f64]; 3], out: &mut SampleColumns<'_, f64>) {
-        if F::SAMPLES_LANES {
+        if F::SAMPLES_LANES && !F::SIDED {
             lanes::sample::<F, f64>(&self.parameters, w, u, out);
         } else {
             sample_each(self, w, u, out);

@@ -42,12 +42,75 @@ fn exchanging_source_and_receiver_leaves_every_reciprocal_model_unchanged() {
 }
 
 #[test]
+fn exchanging_source_and_receiver_of_an_interface_leaves_f_over_the_squared_index_unchanged() {
+    for f in chosen().into_iter().filter(|f| f.info().keeps(Law::Reciprocity)) {
+        for setting in settings(f.info()) {
+            let ratio = f.index_ratio(&setting.values);
+            if ratio == 1.0 {
+                continue;
+            }
+            let model = build(f, &setting);
+            let index2 = |d: Direction| if d.cos_theta() < 0.0 { ratio * ratio } else { 1.0 };
+            let (mut reflected, mut transmitted) = (0, 0);
+            for (a, b) in refracted_pairs(narrowest(f, &setting.values), ratio) {
+                let (there, back) = (
+                    model.eval_first(a, b) / index2(b),
+                    model.eval_first(b, a) / index2(a),
+                );
+                // A rounding of 1e-16 in the facet's slope counts 1 / alpha times.
+                assert!(
+                    (there - back).abs() <= 1e-9 * there.max(back),
+                    "{} with {}: {there} and {back} for {a:?} and {b:?}",
+                    f.info().name,
+                    setting.label
+                );
+                if there > 0.0 {
+                    *(if a.cos_theta() * b.cos_theta() > 0.0 {
+                        &mut reflected
+                    } else {
+                        &mut transmitted
+                    }) += 1;
+                }
+            }
+            assert!(
+                reflected > 100 && transmitted > 100,
+                "{} with {}: {reflected} {transmitted}",
+                f.info().name,
+                setting.label
+            );
+        }
+    }
+}
+
+/// Pairs near the mirror direction, and pairs near the refracted one, from both sides.
+fn refracted_pairs(width: f64, ratio: f64) -> Vec<(Direction, Direction)> {
+    let mut all = pairs(width, 14, 900);
+    for (a, b) in pairs(width, 15, 600) {
+        let eta = if a.cos_theta() > 0.0 { ratio } else { 1.0 / ratio };
+        let v = -a.vec() / eta;
+        let far2 = 1.0 - v.x * v.x - v.y * v.y;
+        if far2 > 0.0 {
+            let bent = gonio_geom::DVec3::new(v.x, v.y, -a.cos_theta().signum() * far2.sqrt());
+            let step = (b.vec() - a.vec()) * 0.5 * width;
+            all.extend(Direction::new(bent + step).map(|s| (a, s)));
+        }
+    }
+    all
+}
+
+#[test]
 fn models_that_are_not_reciprocal_say_so_and_are_not() {
     for f in chosen() {
         let keeps = f.info().keeps(Law::Reciprocity);
         for setting in settings(f.info()) {
             let model = build(f, &setting);
-            assert_eq!(model.properties().reciprocal, keeps, "{}", f.info().name);
+            let same_index = f.index_ratio(&setting.values) == 1.0;
+            assert_eq!(
+                model.properties().reciprocal,
+                keeps && same_index,
+                "{}",
+                f.info().name
+            );
         }
         if keeps {
             continue;

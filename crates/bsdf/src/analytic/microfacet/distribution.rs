@@ -22,6 +22,19 @@ pub trait Distribution: Copy + Send + Sync + std::fmt::Debug + 'static {
     /// `[0, 1)`. Not normalised, `z >= 0`.
     fn visible_normal<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], u: [f64; 2]) -> [f64; 3];
 
+    /// Whether [`Distribution::visible_normal_lanes`] is there.
+    const LANES: bool = false;
+
+    /// [`Distribution::visible_normal`] without branches.
+    #[inline(always)]
+    fn visible_normal_lanes<W: Widths, R: Real<Plain = R>>(
+        _widths: &W::Shape<R>,
+        w: [R; 3],
+        _u: [R; 2],
+    ) -> [R; 3] {
+        w
+    }
+
     /// The mean of `g(h)`, `h` of unit length, over the normals visible from `w`, by quadrature.
     fn visible_mean<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], g: impl Fn([f64; 3]) -> f64) -> f64;
 

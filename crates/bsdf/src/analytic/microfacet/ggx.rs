@@ -19,25 +19,6 @@ fn reach<W: Widths, R: Real>(widths: &W::Shape<R>, v: [R::Plain; 3]) -> R {
     W::stretched(widths, v).plus(v[2] * v[2]).sqrt()
 }
 
-impl Ggx {
-    /// [`Distribution::visible_normal`] without branches, by spherical caps [DupuyBenyoub2023, listing 3].
-    #[inline(always)]
-    pub fn visible_normal_lanes<W: Widths, R: Real<Plain = R>>(
-        widths: &W::Shape<R>,
-        w: [R; 3],
-        u: [R; 2],
-    ) -> [R; 3] {
-        let v = W::stretch(widths, w);
-        let r = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().recip();
-        let v = [v[0] * r, v[1] * r, v[2] * r];
-        // A point of the cap of the unit sphere that is seen from v, evenly: z in (-v_z, 1].
-        let z = (R::constant(1.0) - u[1]) * (v[2] + 1.0) - v[2];
-        let sine = (R::constant(1.0) - z * z).max(R::constant(0.0)).sqrt();
-        let (s, c) = (u[0] * (2.0 * PI)).sin_cos();
-        W::unstretch(widths, [sine * c + v[0], sine * s + v[1], z + v[2]])
-    }
-}
-
 impl Distribution for Ggx {
     #[inline(always)]
     fn slopes<R: Real>(q: R) -> R {
@@ -58,6 +39,25 @@ impl Distribution for Ggx {
 
     fn visible_normal<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], u: [f64; 2]) -> [f64; 3] {
         Ggx::visible_normal_lanes::<W, f64>(widths, w, u)
+    }
+
+    const LANES: bool = true;
+
+    /// By spherical caps [DupuyBenyoub2023, listing 3].
+    #[inline(always)]
+    fn visible_normal_lanes<W: Widths, R: Real<Plain = R>>(
+        widths: &W::Shape<R>,
+        w: [R; 3],
+        u: [R; 2],
+    ) -> [R; 3] {
+        let v = W::stretch(widths, w);
+        let r = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().recip();
+        let v = [v[0] * r, v[1] * r, v[2] * r];
+        // A point of the cap of the unit sphere that is seen from v, evenly: z in (-v_z, 1].
+        let z = (R::constant(1.0) - u[1]) * (v[2] + 1.0) - v[2];
+        let sine = (R::constant(1.0) - z * z).max(R::constant(0.0)).sqrt();
+        let (s, c) = (u[0] * (2.0 * PI)).sin_cos();
+        W::unstretch(widths, [sine * c + v[0], sine * s + v[1], z + v[2]])
     }
 
     /// Gauss-Legendre times the trapezoid rule over the cap that [`Ggx::visible_normal_lanes`] fills evenly.

@@ -1,10 +1,11 @@
 //! Microfacet models [Walter2007]: mirrors or smooth interfaces of a given distribution of normals and of Smith masking.
 //!
 //! A model puts together a [`Distribution`], its [`Widths`] and a [`Fresnel`] reflectance: [`Reflection`] of a surface,
-//! [`Interface`] between two media. [`catalogue`] names the combinations that the registry lists.
+//! [`Interface`] between two media. [`compensated`] lists models that give back the light facets throw onto each other. [`catalogue`] names the combinations that the registry lists.
 
 pub mod beckmann;
 pub mod catalogue;
+pub mod compensation;
 pub mod distribution;
 pub mod fresnel;
 pub mod ggx;
@@ -15,6 +16,7 @@ pub mod widths;
 
 pub use beckmann::Beckmann;
 pub use catalogue::Catalogued;
+pub use compensation::{Compensated, CompensatedFamily, compensated};
 pub use distribution::Distribution;
 pub use fresnel::{Conductor, Fresnel, Schlick};
 pub use ggx::Ggx;

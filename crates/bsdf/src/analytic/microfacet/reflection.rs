@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use gonio_geom::{DVec3, Direction};
 
-use crate::analytic::slopes::mirrored;
+use crate::analytic::slopes::{mirror_lanes, mirrored};
 use crate::analytic::{Formula, ModelInfo, Pair, Real};
 
 use super::{Catalogued, Distribution, Fresnel, Widths};
@@ -71,6 +71,16 @@ where
     fn sample(shape: &Self::Shape<f64>, w: Direction, u: [f64; 3]) -> Option<Direction> {
         let h = D::visible_normal::<W>(&shape.widths, w.vec().to_array(), [u[0], u[1]]);
         mirrored(w, DVec3::from_array(h).try_normalize()?)
+    }
+
+    const SAMPLES_LANES: bool = D::LANES;
+
+    #[inline(always)]
+    fn sample_lanes<R: Real<Plain = R>>(shape: &Self::Shape<R>, w: [R; 3], u: [R; 3]) -> ([R; 3], R) {
+        let h = D::visible_normal_lanes::<W, R>(&shape.widths, w, [u[0], u[1]]);
+        let (s, facing) = mirror_lanes(w, h);
+        let density = D::density::<W, R>(&shape.widths, h) * D::masking::<W, R>(&shape.widths, w) * 0.25;
+        (s, R::select(facing.min(s[2]), density, R::constant(0.0)))
     }
 
     fn isotropic(p: &[f64]) -> bool {
