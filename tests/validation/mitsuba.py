@@ -1,8 +1,9 @@
 """Microfacet models of gonio and of Mitsuba 3 at random parameters and directions.
 
-Mitsuba masks with a product G1(wi) G1(ws), gonio with the height-correlated G2 in reflection; and Mitsuba replaces the
-G1 of Beckmann facets by a rational approximation. Both are coded here a second time, apart from gonio, and taken out of the
-comparison: what remains are the distribution, the Fresnel term, the Jacobians and gonio's own masking.
+Mitsuba masks with a product G1(wi) G1(ws), gonio with the height-correlated G2 in reflection; and Mitsuba replaces
+the G1 of Beckmann facets by a rational approximation. Both are coded here a second time, apart from gonio, and
+taken out of the comparison: what remains are the distribution, the Fresnel term, the Jacobians and gonio's own
+masking.
 """
 
 from __future__ import annotations
@@ -11,10 +12,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from gonio import _native
 from numpy.typing import NDArray
 from scipy.special import erf, erfc
-
-from gonio import _native
 
 DISTRIBUTIONS = ("ggx", "beckmann")
 Vector = NDArray[np.float64]
@@ -50,14 +50,19 @@ class Mitsuba:
     def __init__(self, package: Any) -> None:
         package.set_variant("scalar_rgb")
         self.mi = package
-        # Light is traced from the source: values are then radiance per irradiance without a factor of squared indices.
+        # Light traced from the source: radiance per irradiance, without a factor of squared indices.
         self.context = package.BSDFContext(package.TransportMode.Importance)
 
     def _plugin(self, case: Case) -> Any:
         p = case.parameters
         alpha_u = p.get("alpha_x", p.get("alpha"))
         alpha_v = p.get("alpha_y", p.get("alpha"))
-        common = {"distribution": case.distribution, "alpha_u": alpha_u, "alpha_v": alpha_v, "sample_visible": True}
+        common = {
+            "distribution": case.distribution,
+            "alpha_u": alpha_u,
+            "alpha_v": alpha_v,
+            "sample_visible": True,
+        }
         if "dielectric" in case.model:
             return self.mi.load_dict(
                 {"type": "roughdielectric", "int_ior": p["eta"], "ext_ior": 1.0, **common}
@@ -87,7 +92,9 @@ def _ratio(case: Case, v: Vector) -> float:
     """a = cos / |slopes of v stretched by the widths|."""
     p = case.parameters
     x, y, z = _turned(v, -np.radians(p.get("phi_x", 0.0)))
-    return abs(z) / float(np.hypot(p.get("alpha_x", p.get("alpha")) * x, p.get("alpha_y", p.get("alpha")) * y))
+    return abs(z) / float(
+        np.hypot(p.get("alpha_x", p.get("alpha")) * x, p.get("alpha_y", p.get("alpha")) * y)
+    )
 
 
 def _lambda(case: Case, v: Vector) -> float:

@@ -15,7 +15,7 @@ Made by `python -m tests.validation microfacet`; `tests/validation/test_mitsuba_
 and directions a model: `alpha` .03 to 1 (both widths and `phi_x` apart), `eta` 0.1 to 4 and `k` 0 to 8 of conductors, `eta` 1.1 to 2.6 of
 interfaces lit from both sides, half of the pairs refracted; incidence to 87 degrees, facets within three widths. Mitsuba {version}: roughconductor and
 roughdielectric, `sample_visible`, variant scalar_rgb. Its packages have no variant of double precision: the differences left are
-those of single precision.
+those of single precision, the largest where a conductor of index near 1 hardly reflects.
 
 {table}
 Differences are relative, of `f |cos theta_s|` and of the density of sampling.
