@@ -1,9 +1,9 @@
 """Microfacet models of gonio and of Mitsuba 3 at random parameters and directions.
 
-Mitsuba masks with a product G1(wi) G1(ws), gonio with the height-correlated G2 in reflection; and Mitsuba replaces
-the G1 of Beckmann facets by a rational approximation. Both are coded here a second time, apart from gonio, and
-taken out of the comparison: what remains are the distribution, the Fresnel term, the Jacobians and gonio's own
-masking.
+Mitsuba masks with a product G1(wi) G1(ws), gonio with the height-correlated G2 in reflection; and Mitsuba
+replaces the G1 of Beckmann facets by a rational approximation. Both are coded here a second time, apart from
+gonio, and taken out of the comparison: what remains are the distribution, the Fresnel term, the Jacobians and
+gonio's own masking.
 """
 
 from __future__ import annotations

@@ -56,7 +56,13 @@ fn compensation_never_makes_light_and_never_takes_any() {
                         .model(&[(Channel::Photopic, p.clone())])
                         .unwrap();
                     let once = directional_albedo(single.as_ref(), wi, Component::Reflection, 0);
-                    assert!(albedo > once, "{} {p:?} {degrees}: {albedo} {once}", family.name);
+                    // Smooth Beckmann facets lose nothing; the roughest more than a fiftieth even where facets absorb.
+                    let gain = if alpha == 1.0 { 0.02 * once } else { -1e-9 };
+                    assert!(
+                        albedo - once > gain,
+                        "{} {p:?} {degrees}: {albedo} {once}",
+                        family.name
+                    );
                 }
             }
         }

@@ -66,6 +66,7 @@ impl Escape {
                     let visibility: f64 = D::visibility::<Isotropic, f64>(&widths, w, s.to_array());
                     4.0 * s.z * visibility / masking
                 })
+                .min(1.0)
             })
             .collect();
         let mut table = Escape {

@@ -53,11 +53,13 @@ impl Distribution for Ggx {
         let v = W::stretch(widths, w);
         let r = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().recip();
         let v = [v[0] * r, v[1] * r, v[2] * r];
-        // A point of the cap of the unit sphere that is seen from v, evenly: z in (-v_z, 1].
-        let z = (R::constant(1.0) - u[1]) * (v[2] + 1.0) - v[2];
-        let sine = (R::constant(1.0) - z * z).max(R::constant(0.0)).sqrt();
+        // A point of the cap of the unit sphere that is seen from v, evenly: z in (-v_z, 1]. Written so that neither
+        // z + v_z nor 1 - z^2 cancels, and that small u, which make steep facets, count with all their digits.
+        let rise = v[2] + 1.0;
+        let height = u[1] * rise;
+        let sine = ((R::constant(1.0) - u[1]) * rise * (height + 1.0 - v[2])).sqrt();
         let (s, c) = (u[0] * (2.0 * PI)).sin_cos();
-        W::unstretch(widths, [sine * c + v[0], sine * s + v[1], z + v[2]])
+        W::unstretch(widths, [sine * c + v[0], sine * s + v[1], height])
     }
 
     /// Gauss-Legendre times the trapezoid rule over the cap that [`Ggx::visible_normal_lanes`] fills evenly.
