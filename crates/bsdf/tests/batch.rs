@@ -230,7 +230,8 @@ fn sampled_batches_follow_the_sampler_of_single_directions() {
                     // The cosine is a root of what x and y leave, so their rounding counts more at the horizon.
                     assert!((s32 - s).length() < 1e-6 / s.z.abs(), "{name}: {s32} {s}");
                     assert!(
-                        (at32(4) - at(4)).abs() <= 1e-4 * at(4),
+                        // Masked weights vanish with the cosine, whose rounding then counts.
+                        (at32(4) - at(4)).abs() <= (1e-4 + 2e-7 / s.z.abs()) * at(4),
                         "{name}: {} {}",
                         at32(4),
                         at(4)

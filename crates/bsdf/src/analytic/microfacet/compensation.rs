@@ -220,6 +220,9 @@ where
     }
 }
 
+/// Makes a model of its parameters.
+type Build = fn(&[(Channel, Vec<f64>)]) -> Result<Box<dyn Bsdf>, BsdfError>;
+
 /// A compensated model without its parameters. It is not in [`crate::analytic::families`]: its table depends on the
 /// width, so that it has no derivatives for a fit.
 #[derive(Clone, Copy, Debug)]
@@ -228,7 +231,7 @@ pub struct CompensatedFamily {
     pub name: &'static str,
     /// The model without compensation, which has the same parameters.
     pub single: &'static ModelInfo,
-    build: fn(&[(Channel, Vec<f64>)]) -> Result<Box<dyn Bsdf>, BsdfError>,
+    build: Build,
 }
 
 impl CompensatedFamily {
