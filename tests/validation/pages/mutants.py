@@ -9,9 +9,8 @@ from . import table
 TEXT = """# Mistakes that the tests notice
 
 Made by `python -m tests.validation mutants`: {count} mistakes, put into a copy of the scattering models one at a time
-(tests/mutants/edits.py). For each, the tests of every registered model (samplers by χ² and t-test, reciprocity, energy,
-finite values) run over the models named; for a mistake that keeps every law, the closed forms and worked examples as
-well. A mistake that nothing notices fails `make validate`. Without any mistake all of these tests pass.
+(tests/mutants/edits.py). For each, the tests of samplers (χ², acceptance, mean weight) run over the models named; when they notice
+nothing the other laws (reciprocity, energy, finite values), then the closed forms and worked examples. A mistake that nothing notices fails `make validate`. Without any mistake all of these tests pass.
 
 {table}"""
 
