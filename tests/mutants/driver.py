@@ -15,7 +15,7 @@ from .edits import MUTANTS, Mutant
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "crates" / "bsdf" / "src"
-# The next stage runs only for what the one before it cannot see: samplers, the other laws, closed forms and examples.
+# A stage runs only for what those before it cannot see: samplers, the other laws, closed forms and examples.
 STAGES = (
     ("--test", "statistical"),
     ("--test", "property"),
