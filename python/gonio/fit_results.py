@@ -293,9 +293,13 @@ class Ranking:
         best = min(f.aicc for f in self.fits)
         return {
             "sentence": self.sentence,
-            "models": [_row(f) | {"delta_aicc": f.aicc - best} for f in self.fits],
+            "models": [_row(f) | {"delta_aicc": _above(f.aicc, best)} for f in self.fits],
             "failed": dict(self.failed),
         }
+
+
+def _above(aicc: float, best: float) -> float | None:
+    return aicc - best if math.isfinite(aicc) else None
 
 
 def _row(fit: Fit) -> dict[str, Any]:

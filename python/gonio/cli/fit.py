@@ -172,7 +172,8 @@ def _print_ranking(ranking: gonio.Ranking) -> None:
         error, worst = row["held_out_error"], row["worst_error"]
         shown = "-" if error is None else f"{100 * error:.2f} %"
         at = "-" if worst is None else f"{row['worst_theta_i']:.4g} deg: {100 * worst:.2f} %"
-        out.print(f"  {row['model']:<{width}}  {shown:>14}  {at:>20}  {row['delta_aicc']:>+9.1f}")
+        delta = "-" if row["delta_aicc"] is None else f"{row['delta_aicc']:+.1f}"
+        out.print(f"  {row['model']:<{width}}  {shown:>14}  {at:>20}  {delta:>9}")
     if len(rows) > SHOWN:
         out.print(f"  and {len(rows) - SHOWN} that fit worse")
     for model, reason in ranking.failed.items():

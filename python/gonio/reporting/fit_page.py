@@ -170,7 +170,7 @@ def _ranked(row: Mapping[str, Any]) -> dict[str, str]:
         "title": row["title"],
         "error": "—" if row["held_out_error"] is None else percent(row["held_out_error"]),
         "worst": "—" if worst is None else f"{percent(worst)} at θi {angle(row['worst_theta_i'])}°",
-        "aicc": f"{row['delta_aicc']:+.1f}".replace("-", "−"),
+        "aicc": "—" if row["delta_aicc"] is None else f"{row['delta_aicc']:+.1f}".replace("-", "−"),
         "parameters": str(row["parameters"]),
         "warnings": ", ".join(dict.fromkeys(w["code"].replace("_", " ") for w in row["warnings"])),
     }
