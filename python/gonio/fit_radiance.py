@@ -29,7 +29,7 @@ def radiance_material(
 ) -> MappedRadiance:
     """Make the Radiance material of a fit.
 
-    plastic, metal, trans, plastic2 and metal2 are materials themselves; lambert, ward-gmd,
+    plastic, metal, trans, plastic2, metal2 and trans2 are materials themselves; lambert, ward-gmd,
     lambert-transmission and transmission-lobe map onto them, exactly for one channel. Every other model has
     another lobe than Radiance's materials.
 
@@ -119,7 +119,7 @@ def _named(kind: str) -> Callable[[_Source], _Made]:
 
     def make(s: _Source) -> _Made:
         numbers = {"spec": s.one("specularity"), **_widths(s, two=two)}
-        if kind == "trans":
+        if kind.startswith("trans"):
             numbers |= {"trans": s.one("trans"), "tspec": s.one("tspec")}
         return kind, s.palette.rgb(s.of("color")), numbers, _orientation(s) if two else None
 
@@ -179,6 +179,7 @@ _MAKERS: Mapping[str, Callable[[_Source], _Made]] = {
     "trans": _named("trans"),
     "plastic2": _named("plastic2"),
     "metal2": _named("metal2"),
+    "trans2": _named("trans2"),
     "lambert": _matt,
     "ward-gmd": _lobe(two=False),
     "ward-gmd-anisotropic": _lobe(two=True),

@@ -222,6 +222,12 @@ class Fit:
         return float(np.mean(errors)) if errors else None
 
     @property
+    def noise_ratio(self) -> float:
+        """Typical residual in units of the stated noise: the root of the median `chi2` of slices."""
+        chi2 = [r.chi2 for r in self.residuals]
+        return float(np.sqrt(np.nanmedian(chi2))) if chi2 else math.nan
+
+    @property
     def notable_correlations(self) -> tuple[Correlation, ...]:
         """Pairs of estimates whose correlation exceeds `NOTABLE` in size, strongest first."""
         first, second = np.nonzero(np.triu(np.abs(self.correlation) >= NOTABLE, k=1))

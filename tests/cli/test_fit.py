@@ -239,3 +239,11 @@ def test_a_measurement_that_is_none_is_named(run, tmp_path):
     one_clear_error(run("fit", tmp_path / "nothing", "--model", "plastic"), "nothing")
     (tmp_path / "notes.txt").write_text("no readings")
     one_clear_error(run("fit", tmp_path / "notes.txt", "--model", "plastic"), "notes.txt", "directory")
+
+
+def test_the_report_takes_a_fit(run, simulated, tmp_path):
+    assert run("fit", simulated, "--model", "plastic", "-o", tmp_path / "f").code == 0
+    done = run("report", simulated, "--fit", tmp_path / "f", "-o", tmp_path / "r.html")
+    assert done.code == 0, done.err
+    assert "Residuals against the model" in (tmp_path / "r.html").read_text(encoding="utf-8")
+    one_clear_error(run("report", simulated, "--fit", simulated, "-o", tmp_path / "s.html"), "fit.json")

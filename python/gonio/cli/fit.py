@@ -134,8 +134,7 @@ def _print_fit(found: gonio.Fit) -> None:
     out.print(f"  {found.readings} readings, {channels}, metric {found.metric}", end="")
     left_out = ", ".join(f"{n} {reason.replace('_', ' ')}" for reason, n in found.excluded.items())
     out.print(f"; left out: {left_out}" if left_out else "")
-    if found.dispersion is not None:
-        out.print(f"  residuals scatter {found.dispersion**0.5:.2f} times as much as the stated noise")
+    out.print(f"  residuals are typically {found.noise_ratio:.3g} times the stated noise")
     width = max(len("parameter"), *(len(e.label) for e in found.estimates))
     out.print(f"  {'parameter':<{width}}  {'value':>11}  {'u':>9}  {'95 % interval':<24}  {'u_model':>9}")
     for e in found.estimates:

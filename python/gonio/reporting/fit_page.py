@@ -65,7 +65,7 @@ def render_fit(
         ("Readings", grouped(fit.readings)),
         ("Incidences", str(len({(round(r.theta_i, 4), round(r.phi_i, 4)) for r in fit.residuals}))),
         ("Metric", f"{fit.metric}, {fit.loss}" if fit.metric == "chi2" else fit.metric),
-        ("Residuals over stated noise", f"{number(fit.dispersion**0.5, 3)} ×" if fit.dispersion else None),
+        ("Residuals over stated noise", f"{number(fit.noise_ratio, 3)} ×"),
         ("Left-out incidences", percent(fit.held_out_error) if fit.held_out_error is not None else None),
         ("Resolution", f"{number(fwhm, 3)}° beam FWHM" if fwhm else "beam not measured"),
     ]

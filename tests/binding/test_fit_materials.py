@@ -1,0 +1,159 @@
+"""Fits as materials of Radiance and Mitsuba 3."""
+
+import dataclasses
+import xml.etree.ElementTree as ET
+
+import gonio
+import numpy as np
+import pytest
+from gonio.fit_mitsuba import mitsuba_material
+from gonio.fit_outputs import read_fitted_model, save_fit
+from gonio.fit_radiance import radiance_material
+from gonio.materials import material
+
+KD, F0, ALPHA = 0.3, 0.05, 0.2
+MATT = {"model": "lambert", "rho": {"photopic": KD}}
+GGX = {"model": "ggx", "f0": {"photopic": F0}, "alpha": {"photopic": ALPHA}}
+INTERFACE = {"model": "ggx-dielectric", "eta": {"photopic": 1.5}, "alpha": {"photopic": ALPHA}}
+
+
+@pytest.fixture(scope="module")
+def plastic():
+    return gonio.tabulate(material("plastic").bsdf, incidences=[(10, 0), (60, 0)], pitch=10, peak_pitch=2)
+
+
+@pytest.fixture(scope="module")
+def found(plastic):
+    return gonio.fit(plastic, model="plastic")
+
+
+def of(found, model, *parts):
+    """The fit, with the sum of another model."""
+    return dataclasses.replace(found, model=model, parts=parts)
+
+
+def ggx_in_mitsuba(theta_i, theta_s, phi):
+    """f cos theta_s of a matt base and GGX facets, masked independently [Walter2007]."""
+    wi = np.array([np.sin(theta_i), 0.0, np.cos(theta_i)])
+    ws = np.array([np.sin(theta_s) * np.cos(phi), np.sin(theta_s) * np.sin(phi), np.cos(theta_s)])
+    h = (wi + ws) / np.linalg.norm(wi + ws)
+    tan2 = 1.0 / h[2] ** 2 - 1.0
+    d = 1.0 / (np.pi * ALPHA**2 * h[2] ** 4 * (1.0 + tan2 / ALPHA**2) ** 2)
+    g = 1.0
+    for w in (wi, ws):
+        g *= 2.0 / (1.0 + np.sqrt(1.0 + ALPHA**2 * (1.0 / w[2] ** 2 - 1.0)))
+    n = (1.0 + np.sqrt(F0)) / (1.0 - np.sqrt(F0))
+    c = wi @ h
+    t = np.sqrt(1.0 - (1.0 - c * c) / n**2)
+    f = 0.5 * (((c - n * t) / (c + n * t)) ** 2 + ((n * c - t) / (n * c + t)) ** 2)
+    return KD / np.pi * ws[2] + d * g * f / (4.0 * wi[2])
+
+
+def test_mitsuba_loads_the_material_and_adds_base_and_lobe(found):
+    mi = pytest.importorskip("mitsuba")
+    mi.set_variant("scalar_rgb")
+    mapped = mitsuba_material(of(found, "ggx", MATT, GGX))
+    loaded = [mi.load_dict(mapped.material)]
+    element = ET.fromstring(mapped.xml(name="paint")).find("bsdf")
+    assert element.get("id") == "paint"
+    loaded.append(mi.load_string(f'<bsdf version="3.0.0" type="twosided">{inner(element)}</bsdf>'))
+    for bsdf in loaded:
+        for theta_i, theta_s, phi in ((0.2, 0.3, 3.0), (1.0, 0.9, 3.1), (1.2, 0.4, 1.0)):
+            si = mi.SurfaceInteraction3f()
+            si.wi = mi.Vector3f(np.sin(theta_i), 0.0, np.cos(theta_i))
+            ws = [np.sin(theta_s) * np.cos(phi), np.sin(theta_s) * np.sin(phi), np.cos(theta_s)]
+            value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*ws))
+            assert list(value) == pytest.approx([ggx_in_mitsuba(theta_i, theta_s, phi)] * 3, rel=1e-3)
+
+
+def inner(element):
+    return "".join(ET.tostring(child, encoding="unicode") for child in element)
+
+
+def test_the_losses_of_a_mitsuba_material_are_stated_with_their_size(found):
+    losses = mitsuba_material(of(found, "ggx", MATT, GGX)).losses
+    assert any("masks" in text and "theta_i = 60 deg" in text for text in losses)
+    assert any("Schlick" in text for text in losses)
+    slope = ALPHA * np.tan(np.radians(60.0))
+    hidden = (np.sqrt(1.0 + slope**2) - 1.0) / 2.0
+    lost = 100.0 * (1.0 - (1.0 + 2.0 * hidden) / (1.0 + hidden) ** 2)
+    assert any(f"{lost:.2g} %" in text for text in losses)
+
+
+def test_an_interface_is_a_rough_dielectric_unless_it_has_a_diffuse_part(found):
+    pytest.importorskip("mitsuba").set_variant("scalar_rgb")
+    mapped = mitsuba_material(of(found, "ggx-dielectric", INTERFACE))
+    assert mapped.material["type"] == "roughdielectric"
+    assert mapped.material["int_ior"] == 1.5
+    pytest.importorskip("mitsuba").load_dict(mapped.material)
+    with pytest.raises(gonio.DomainError, match="kd=0"):
+        mitsuba_material(of(found, "ggx-dielectric", MATT, INTERFACE))
+
+
+def test_models_that_mitsuba_does_not_have_are_refused_with_the_reason(found):
+    with pytest.raises(gonio.DomainError, match="no Ward lobe"):
+        mitsuba_material(found)
+    with pytest.raises(gonio.DomainError, match="lambert, abg"):
+        mitsuba_material(of(found, "abg", MATT, {"model": "abg"}))
+
+
+def test_a_matt_sample_is_the_same_in_both(plastic):
+    fit = gonio.fit(plastic, model="lambert", held_out=False)
+    kd = fit.estimate("kd").value
+    assert mitsuba_material(fit).losses == ()
+    assert mitsuba_material(fit).material["bsdf"]["reflectance"]["value"] == pytest.approx([kd] * 3)
+    found = radiance_material(fit).material
+    assert found.parameters == pytest.approx({"red": kd, "green": kd, "blue": kd, "spec": 0, "rough": 0})
+
+
+@pytest.mark.parametrize("kind", ["plastic2", "ward-gmd-anisotropic"])
+def test_the_azimuth_of_an_anisotropic_lobe_reaches_radiance(kind):
+    turned = gonio.analytic(
+        {"model": "lambert", "rho": 0.1},
+        {"model": "ward-gmd-anisotropic", "rho": 0.3, "alpha_x": 0.1, "alpha_y": 0.3, "phi_x": 30.0},
+    )
+    sample = gonio.tabulate(turned, incidences=[(20, 0), (50, 60)], pitch=10, peak_pitch=2)
+    mapped = radiance_material(gonio.fit(sample, model=kind, held_out=False)).material
+    at = {"theta_i": 40, "phi_i": 0, "theta_s": [20, 40, 50], "phi_s": [180, 160, 210]}
+    np.testing.assert_allclose(mapped.bsdf().eval(**at, channel="green"), turned.eval(**at), rtol=1e-3)
+
+
+def test_a_coloured_lobe_is_metal_and_what_one_number_loses_is_told():
+    colour = {"red": 0.6, "green": 0.4, "blue": 0.2}
+    coloured = gonio.analytic(
+        {"model": "lambert", "rho": {c: 0.3 * v for c, v in colour.items()}},
+        {"model": "ward-gmd", "rho": {c: 0.7 * v for c, v in colour.items()}, "alpha": 0.2},
+    )
+    sample = gonio.tabulate(coloured, incidences=[(20, 0), (50, 0)], pitch=10, peak_pitch=2)
+    mapped = radiance_material(gonio.fit(sample, model="ward-gmd", held_out=False))
+    assert mapped.material.type == "metal"
+    assert mapped.material.parameters == pytest.approx(colour | {"spec": 0.7, "rough": 0.2}, rel=1e-3)
+    assert mapped.losses == ()
+
+    mixed = gonio.analytic(
+        {"model": "lambert", "rho": {"red": 0.1, "green": 0.3, "blue": 0.2}},
+        {"model": "ward-gmd", "rho": {"red": 0.2, "green": 0.3, "blue": 0.1}, "alpha": 0.2},
+    )
+    sample = gonio.tabulate(mixed, incidences=[(20, 0), (50, 0)], pitch=10, peak_pitch=2)
+    losses = radiance_material(gonio.fit(sample, model="ward-gmd", held_out=False)).losses
+    assert len(losses) == 1
+    assert "differs between the channels by up to" in losses[0]
+
+
+def test_a_saved_fit_is_read_back_as_the_same_model(found, plastic, tmp_path):
+    saved = save_fit(found, out=tmp_path / "f", measurement=plastic)
+    assert saved.files == ("fit.json", "material.rad", "residuals.html")
+    at = {"theta_i": 40, "phi_i": 0, "theta_s": [20, 40, 50], "phi_s": [180, 160, 210]}
+    np.testing.assert_allclose(
+        read_fitted_model(tmp_path / "f").eval(**at), found.bsdf().eval(**at), rtol=1e-9
+    )
+    (tmp_path / "f" / "fit.json").write_text("{}")
+    with pytest.raises(gonio.FormatError, match="gonio-fit"):
+        read_fitted_model(tmp_path / "f")
+
+
+def test_a_page_needs_the_measurement_that_was_fitted(found, tmp_path):
+    other = gonio.tabulate(material("plastic").bsdf, incidences=[(30, 0)], pitch=10, peak_pitch=2)
+    with pytest.raises(gonio.DomainError, match="those of the fit"):
+        save_fit(found, out=tmp_path / "f", measurement=other)
+    assert not (tmp_path / "f").exists()
