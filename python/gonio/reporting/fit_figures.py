@@ -106,7 +106,7 @@ def _profile(ax: Axes, s: Snapshot, predicted: Floats, meshes: dict[str, Mesh]) 
     ax.set_xlabel(f"Extended polar angle θs in the plane φ = {measured.plane_phi:g}° [deg]")
     ax.set_xticks(np.arange(span[0], span[1] + 1.0, 30.0))
     ax.grid(color="#d9dee5", linewidth=0.6)
-    ax.legend(frameon=False, fontsize="small", loc="best")
+    ax.legend(frameon=False, fontsize="small", ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.15))
 
 
 def _map(ax: Axes, s: Snapshot, mesh: Mesh, residual: Floats, *, limit: float) -> Any:
@@ -168,7 +168,7 @@ def errors_figure(fits: Sequence[Fit]) -> str | None:
     shown = [f for f in _distinct(fits) if f.held_out][:MOST_CURVES]
     if not shown:
         return None
-    figure = Figure(figsize=(8.6, 3.4), layout="constrained")
+    figure = Figure(figsize=(8.6, 4.2), layout="constrained")
     ax = figure.add_subplot()
     for k, f in enumerate(shown):
         theta = np.array([h.theta_i for h in f.held_out])
@@ -183,7 +183,7 @@ def errors_figure(fits: Sequence[Fit]) -> str | None:
     ax.set_yscale("log")
     ax.set(xlabel="Left-out angle of incidence θi [deg]", ylabel="Relative L1 error [%]")
     ax.grid(color="#d9dee5", linewidth=0.6, which="both")
-    ax.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+    ax.legend(frameon=False, fontsize="small", ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
     return _png(figure)
 
 

@@ -61,7 +61,7 @@ def render_fit(
     ranking = None if fit.ranking is None else fit.ranking.to_dict()
     fwhm = measurement.signature_fwhm
     facts = [
-        ("Model", f"{fit.model}: {fit.title}"),
+        ("Model", fit.title if fit.title == fit.model else f"{fit.model}: {fit.title}"),
         ("Readings", grouped(fit.readings)),
         ("Incidences", str(len({(round(r.theta_i, 4), round(r.phi_i, 4)) for r in fit.residuals}))),
         ("Metric", f"{fit.metric}, {fit.loss}" if fit.metric == "chi2" else fit.metric),
@@ -74,7 +74,7 @@ def render_fit(
         .get_template("fit.html.j2")
         .render(
             title=measurement.sample_name or "unnamed sample",
-            sentence=_symbols(ranking["sentence"] if ranking else _sentence(fit)),
+            sentence=_symbols(ranking["sentence"] if ranking else _sentence(fit)).replace("+", "+\u200b"),
             status="warn" if fit.warnings or not fit.converged else "pass",
             facts=[(label, value) for label, value in facts if value],
             warnings=[_symbols(w.text) for w in fit.warnings],
@@ -166,8 +166,8 @@ def _estimate(e: Estimate) -> dict[str, str]:
 def _ranked(row: Mapping[str, Any]) -> dict[str, str]:
     worst = row["worst_error"]
     return {
-        "model": row["model"],
-        "title": row["title"],
+        "model": row["model"].replace("+", "+\u200b"),
+        "title": "" if row["title"] == row["model"] else row["title"],
         "error": "—" if row["held_out_error"] is None else percent(row["held_out_error"]),
         "worst": "—" if worst is None else f"{percent(worst)} at θi {angle(row['worst_theta_i'])}°",
         "aicc": "—" if row["delta_aicc"] is None else f"{row['delta_aicc']:+.1f}".replace("-", "−"),
