@@ -130,13 +130,13 @@ def _conductor(
         return {"type": "roughconductor", **index, **widths}
     f0 = palette.rgb(lobe["f0"])
     eta = tuple(_eta_of(min(c, 0.999)) for c in f0)
-    worst = max(
+    size, at, f0_there = max(
         (abs(_fresnel(n, t) - _schlick(c, t)), t, c) for c, n in zip(f0, eta, strict=True) for t in angles
     )
     indices = ", ".join(f"{n:.4g}" for n in dict.fromkeys(eta))
     losses.append(
-        f"Schlick's reflectance becomes Fresnel's of index {indices}: it "
-        f"differs by up to {worst[0]:.2g} (at theta_i = {worst[1]:.4g} deg)"
+        f"Schlick's reflectance becomes Fresnel's of index {indices}: at the peak of the lobe it differs by "
+        f"up to {100 * size / _schlick(f0_there, at):.2g} % (at theta_i = {at:.4g} deg)"
     )
     red, green, blue = eta
     return {"type": "roughconductor", "eta": _rgb((red, green, blue)), "k": _uniform(0.0), **widths}
