@@ -24,6 +24,8 @@ PAGES = (
     "export",
     "other-instruments",
     "microfacet",
+    "fit-recovery",
+    "fit-real-data",
 )
 
 

@@ -89,7 +89,8 @@ pub struct Choice {
     pub sentence: String,
 }
 
-/// Fit models that describe every component with readings: those of [`fit_models`], and where light is both reflected
+/// Fit models that describe the components with readings and no other: those of [`fit_models`], and where light is both
+/// reflected
 /// and transmitted also each reflecting family with each transmitting one, diffuse parts included.
 ///
 /// # Errors
@@ -98,10 +99,10 @@ pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Ve
     let data = FitData::new(measurement, selection, |_| true, false)?;
     let has = |c| data.slabs.iter().any(|s| s.component == c);
     let (reflects, transmits) = (has(Component::Reflection), has(Component::Transmission));
+    // A model of a component without readings carries parameters that nothing determines.
     let fits = |m: &FitModel| {
-        (!reflects || m.scatters_into(Component::Reflection))
-            && (!transmits || m.scatters_into(Component::Transmission))
-            && (reflects || transmits)
+        reflects == m.scatters_into(Component::Reflection)
+            && transmits == m.scatters_into(Component::Transmission)
     };
     let mut models: Vec<FitModel> = fit_models()?.into_iter().filter(fits).collect();
     if reflects && transmits {
