@@ -145,6 +145,13 @@ macro_rules! formula {
                 mirrored(w, shape.slopes.sample(u))
             }
 
+            const SAMPLES_LANES: bool = true;
+
+            #[inline(always)]
+            fn sample_lanes<R: Real<Plain = R>>(shape: &Shape<R>, w: [R; 3], u: [R; 3]) -> ([R; 3], R) {
+                shape.slopes.mirrored_lanes(w, u)
+            }
+
             fn isotropic(p: &[f64]) -> bool {
                 p.len() < 3 || p[1] == p[2]
             }
