@@ -107,14 +107,15 @@ impl<'a, T: Number> Directions<'a, T> {
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
 fn all_unit<T: Number>(v: [&[T]; 3], tolerance: T) -> bool {
-    let bound = tolerance.fast();
-    let mut good = true;
+    // Counted rather than left early or joined as bools: that vectorises.
+    let mut bad = 0_u32;
     for ((x, y), z) in v[0].iter().zip(v[1]).zip(v[2]) {
         let [x, y, z] = [x.fast(), y.fast(), z.fast()];
-        let excess = (x * x + y * y + z * z - 1.0).abs();
-        good &= T::of(excess) <= T::of(bound);
+        let length2 = T::of(x * x + y * y + z * z - 1.0);
+        let good = (length2 <= tolerance) & (T::of(-length2.fast()) <= tolerance);
+        bad |= u32::from(!good);
     }
-    good
+    bad == 0
 }
 
 /// The first number that is not in `[0, 1)`.
@@ -128,7 +129,11 @@ pub fn first_not_uniform<T: Number>(u: &[T]) -> Option<T> {
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
 fn all_uniform<T: Number>(u: &[T]) -> bool {
     let (zero, one) = (T::default(), T::rounded(1.0));
-    u.iter().fold(true, |good, v| good & (*v >= zero) & (*v < one))
+    let mut bad = 0_u32;
+    for v in u {
+        bad |= u32::from(!((*v >= zero) & (*v < one)));
+    }
+    bad == 0
 }
 
 /// Where the samples of a batch go.

@@ -25,7 +25,9 @@ fn models() -> Vec<(String, Box<dyn Bsdf>)> {
                 .map(|c| {
                     let mut p = info.defaults();
                     for (value, i) in p.iter_mut().zip(info.parameters) {
-                        if i.role == Role::Amplitude || own_width && i.role == Role::Width {
+                        if matches!(i.role, Role::Amplitude | Role::Index)
+                            || own_width && i.role == Role::Width
+                        {
                             *value *= 1.0 - 0.15 * c as f64;
                         }
                     }

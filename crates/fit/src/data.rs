@@ -136,8 +136,8 @@ impl FitData {
                     incidences.len() - 1
                 });
             let mut kept: [Vec<u32>; 2] = [Vec::new(), Vec::new()];
-            for j in 0..slice.len() {
-                let ws = slice.direction(j);
+            let directions: Vec<Direction> = (0..slice.len()).map(|j| slice.direction(j)).collect();
+            for (j, &ws) in directions.iter().enumerate() {
                 let component = Component::between(wi.side(), ws.side());
                 let reason = if !(slice.dsf[j].is_finite() && ws.vec().is_finite()) {
                     Some(Reason::NoData)
@@ -145,7 +145,7 @@ impl FitData {
                     Some(reason)
                 } else if ws.cos_theta().abs() < selection.max_theta_s.cos() - 1e-12 {
                     Some(Reason::Grazing)
-                } else if ws.angle_to(wi) < selection.retro_radius {
+                } else if selection.retro_radius > 0.0 && ws.angle_to(wi) < selection.retro_radius {
                     Some(Reason::Retro)
                 } else if !described(component) || selection.component.is_some_and(|c| c != component) {
                     *others.entry(slot(component) as u8).or_insert(0) += 1;
@@ -170,7 +170,7 @@ impl FitData {
                     slabs.push(Slab::new(
                         (k, channel, at),
                         component,
-                        slice,
+                        (slice, &directions),
                         index,
                         resolution.as_deref(),
                     ));
@@ -348,7 +348,7 @@ impl Slab {
     fn new(
         (position, channel, incidence): (usize, usize, usize),
         component: Component,
-        slice: &Slice,
+        (slice, directions): (&Slice, &[Direction]),
         index: &[u32],
         resolution: Option<&[f64]>,
     ) -> Self {
@@ -381,7 +381,7 @@ impl Slab {
             })
             .collect();
         let cells = Cells::new(component, wi);
-        let ws: Vec<Direction> = index.iter().map(|&j| slice.direction(j as usize)).collect();
+        let ws: Vec<Direction> = index.iter().map(|&j| directions[j as usize]).collect();
         Slab {
             slice: position,
             channel,

@@ -10,7 +10,7 @@ use crate::batch::{Directions, Number, SampleColumns};
 const LANES: usize = 64;
 /// Most parameters of a formula.
 const MOST: usize = 16;
-/// Channels that are worked on together when they differ in amplitudes alone.
+/// Channels that are worked on together when they differ in amplitudes and indices alone.
 const TOGETHER: usize = 3;
 
 type Lanes<T> = [[T; LANES]; 3];
@@ -28,7 +28,7 @@ pub(super) fn eval<F: Formula, T: Number>(
     }
 }
 
-/// [`eval`] that shares the work of channels that differ in amplitudes alone, and that of one `wi` for all pairs.
+/// [`eval`] that shares the work of channels that differ in amplitudes and indices alone, and that of one `wi` for all pairs.
 pub(super) fn eval_together<F: Formula>(
     parameters: &[Vec<f64>],
     wi: Directions<'_, f32>,
@@ -95,13 +95,18 @@ pub(super) fn sample_together<F: Formula>(
     }
 }
 
-/// Whether channels have all parameters but amplitudes in common.
+/// Whether a parameter usually differs between channels.
+fn spectral(role: Role) -> bool {
+    matches!(role, Role::Amplitude | Role::Index)
+}
+
+/// Whether channels have all other parameters in common.
 fn shared<F: Formula>(parameters: &[Vec<f64>]) -> bool {
     F::INFO
         .parameters
         .iter()
         .enumerate()
-        .all(|(k, info)| info.role == Role::Amplitude || parameters.iter().all(|p| p[k] == parameters[0][k]))
+        .all(|(k, info)| spectral(info.role) || parameters.iter().all(|p| p[k] == parameters[0][k]))
 }
 
 /// The prepared parameters of `C` channels, so built that the compiler sees what they have in common.
@@ -116,7 +121,7 @@ fn shapes<F: Formula, R: Real, const C: usize>(parameters: &[Vec<f64>]) -> [F::S
     std::array::from_fn(|c| {
         let mut p = common;
         for k in 0..infos.len() {
-            if infos[k].role == Role::Amplitude {
+            if spectral(infos[k].role) {
                 p[k] = R::constant(parameters[c][k]);
             }
         }
