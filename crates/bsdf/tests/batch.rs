@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // helpers outside #[test] fail a test by panicking, as the tests themselves do
 
-use gonio_bsdf::analytic::{Role, Sum, families};
+use gonio_bsdf::analytic::{Role, Scatters, Sum, families};
 use gonio_bsdf::batch::{Directions, SampleColumns, first_not_uniform};
 use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{DVec3, Direction};
@@ -25,10 +25,15 @@ fn models() -> Vec<(String, Box<dyn Bsdf>)> {
                 .map(|c| {
                     let mut p = info.defaults();
                     for (value, i) in p.iter_mut().zip(info.parameters) {
-                        if matches!(i.role, Role::Amplitude | Role::Index)
-                            || own_width && i.role == Role::Width
-                        {
-                            *value *= 1.0 - 0.15 * c as f64;
+                        let step = c as f64;
+                        match i.role {
+                            Role::Amplitude => *value *= 1.0 - 0.15 * step,
+                            // The index of a conductor; that of an interface moves its lobe too.
+                            Role::Index if info.scatters == Scatters::Reflection => {
+                                *value *= 1.0 + 0.1 * step
+                            }
+                            Role::Width if own_width => *value *= 1.0 - 0.15 * step,
+                            _ => {}
                         }
                     }
                     (CHANNELS[c], p)
