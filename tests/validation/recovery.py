@@ -12,7 +12,7 @@ TURNED = ((15.0, 0.0), (40.0, 30.0), (40.0, 120.0), (60.0, 75.0))
 """Incidences for models with an axis."""
 
 PATH = {"pitch_across": 8.0, "pitch_along": 2.0, "patch_pitch": 1.0, "spot_diameter": 0.004}
-"""A sparse path, some 2500 readings an incidence, and a small spot: the spot's parallax is not in the signature."""
+"""A sparse path of some 2500 readings an incidence; a small spot, whose parallax the signature lacks."""
 
 RANGES = {
     "color": (0.1, 0.9),
