@@ -19,30 +19,67 @@ pub(crate) fn ideal(component: Component, wi: Direction) -> Direction {
 
 /// Assigns directions to cells about an ideal direction.
 pub(crate) struct Cells {
-    ideal: Direction,
+    ideal: DVec3,
     across: DVec3,
     along: DVec3,
+    /// Cosines of the rings' edges.
+    edges: [f64; RINGS.len()],
 }
 
 impl Cells {
     pub(crate) fn new(component: Component, wi: Direction) -> Self {
-        let ideal = ideal(component, wi);
-        let v = ideal.vec();
+        let v = ideal(component, wi).vec();
         let across = v.cross(DVec3::Z).try_normalize().unwrap_or(DVec3::X);
         Cells {
-            ideal,
+            ideal: v,
             across,
             along: v.cross(across),
+            edges: RINGS.map(|degrees| degrees.to_radians().cos()),
         }
     }
 
     /// The cell of `ws`, below [`CELLS`].
     pub(crate) fn cell(&self, ws: Direction) -> u8 {
-        let gamma = self.ideal.angle_to(ws).to_degrees();
-        let ring = RINGS.iter().take_while(|edge| gamma >= **edge).count();
         let v = ws.vec();
-        let turn = v.dot(self.across).atan2(v.dot(self.along)) / std::f64::consts::TAU + 0.5;
-        let sector = ((turn * SECTORS as f64) as usize).min(SECTORS - 1);
-        (ring * SECTORS + sector) as u8
+        let near = v.dot(self.ideal);
+        let ring = self.edges.iter().filter(|edge| near <= **edge).count();
+        (ring * SECTORS + sector(v.dot(self.along), v.dot(self.across))) as u8
+    }
+}
+
+/// The sextant of a point, counted from the negative x axis with the azimuth; no call of `atan2` a reading.
+fn sector(x: f64, y: f64) -> usize {
+    let steep = y.abs() >= 3.0_f64.sqrt() * x.abs();
+    match (y >= 0.0, steep, x >= 0.0) {
+        (false, true, _) => 1,
+        (false, false, false) => 0,
+        (false, false, true) => 2,
+        (true, false, true) => 3,
+        (true, true, _) => 4,
+        (true, false, false) => 5,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sextants_follow_the_azimuth() {
+        for k in 0..360 {
+            let azimuth = (f64::from(k) + 0.5 - 180.0).to_radians();
+            assert_eq!(sector(azimuth.cos(), azimuth.sin()), k as usize / 60, "{k}");
+        }
+        assert_eq!(SECTORS, 6);
+    }
+
+    #[test]
+    fn rings_double_from_one_degree_about_the_mirror_direction() {
+        let wi = Direction::from_degrees(30.0, 50.0);
+        let cells = Cells::new(Component::Reflection, wi);
+        for (degrees, ring) in [(0.5, 0), (1.5, 1), (3.0, 2), (5.0, 3), (50.0, 6)] {
+            let ws = Direction::from_degrees(30.0 + degrees, 230.0);
+            assert_eq!(cells.cell(ws) as usize / SECTORS, ring, "{degrees}");
+        }
     }
 }

@@ -136,6 +136,14 @@ fn same_length(lengths: [Option<usize>; 2], names: [&str; 2]) -> PyResult<usize>
     }
 }
 
+/// A new array of `count` rows. numpy asks for huge pages below what it leaves unfilled, not below its zeros, and most
+/// of the time of filling fresh memory goes into the faults of small ones.
+fn rows<T: Number + Element>(py: Python<'_>, count: usize, n: usize) -> PyResult<Bound<'_, PyArray2<T>>> {
+    let numpy = py.import("numpy")?;
+    let array = numpy.call_method1("empty", ((count, n), T::get_dtype(py)))?;
+    Ok(array.cast_into::<PyArray2<T>>()?)
+}
+
 /// `f(wi, ws)` of shape (channels, n).
 pub(crate) fn eval_directions<'py, T: Number + Element>(
     model: &dyn Model,
@@ -147,7 +155,7 @@ pub(crate) fn eval_directions<'py, T: Number + Element>(
     let (wi, ws) = (Given::read(&wi, "wi")?, Given::read(&ws, "ws")?);
     let n = same_length([wi.len(), ws.len()], ["wi", "ws"])?;
     let channels = model.channels().len();
-    let out = PyArray2::<T>::zeros(py, [channels, n], false);
+    let out = rows::<T>(py, channels, n)?;
     if n == 0 {
         return Ok(out);
     }
@@ -197,8 +205,8 @@ pub(crate) fn sample_directions<'py, T: Number + Element>(
     let wi = Given::read(&wi, "wi")?;
     let u = columns(&u, "u", "shape (3, n) or (n, 3)")?;
     let n = same_length([wi.len(), Some(u.shape()[1])], ["wi", "u"])?;
-    let ws = PyArray2::<T>::zeros(py, [3, n], false);
-    let weight = PyArray2::<T>::zeros(py, [model.channels().len(), n], false);
+    let ws = rows::<T>(py, 3, n)?;
+    let weight = rows::<T>(py, model.channels().len(), n)?;
     let pdf = PyArray1::<T>::zeros(py, n, false);
     if n > 0 {
         let (mut ws, mut weight, mut pdf) = (ws.readwrite(), weight.readwrite(), pdf.readwrite());

@@ -288,10 +288,12 @@ fn by_time(scan: &Scan, darks: &[&Scan], noise: &NoiseModel) -> Result<Option<Le
     let Some(start) = started(scan)? else {
         return Ok(None);
     };
-    let last = (0..scan.len())
+    let (first, last) = (0..scan.len())
         .map(|j| reading_time(scan, start, j))
-        .fold(start, f64::max);
-    let span = KNOT_SPAN * (last - start);
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
+            (a.min(t), b.max(t))
+        });
+    let span = (KNOT_SPAN * (last - first)).max(0.0);
     let mut readings: Vec<(f64, f64)> = Vec::new();
     for dark in darks {
         let Some(from) = started(dark)? else {
@@ -470,6 +472,32 @@ mod tests {
             "{}",
             found.u_common
         );
+    }
+
+    #[test]
+    fn records_of_one_clock_keep_their_dark_readings_apart() {
+        // All times count from the begin of the campaign; the dark rises evenly, then falls.
+        let level = |t: f64| 2.0 + if t < 3000.0 { 1e-3 * t } else { 6.0 - 1e-3 * t };
+        let mut scan = path_scan(10.0, 5.0, |_| 0.0);
+        let n = scan.len();
+        let times: Vec<f64> = (0..n).map(|j| 3020.0 + 380.0 * j as f64 / n as f64).collect();
+        scan.value = times.iter().map(|&t| 7.0 + level(t)).collect();
+        scan.time = Some(times);
+        scan.meta.started = Some("2026-03-01T09:00:00".into());
+        let darks: Vec<Scan> = [1000.0, 2000.0, 3000.0, 3410.0]
+            .iter()
+            .map(|&at| {
+                let mut d = record(0.0, 0.0);
+                d.meta.started = Some("2026-03-01T09:00:00".into());
+                d.time = Some((0..10).map(|k| at + f64::from(k)).collect());
+                d.value = (0..10).map(|k| level(at + f64::from(k))).collect();
+                (d.theta_s, d.phi_s) = (vec![0.0; 10], vec![0.0; 10]);
+                d
+            })
+            .collect();
+        let found = subtract(&mut scan, &darks, &NOISELESS, &DarkOptions::default()).unwrap();
+        assert_eq!(found.unwrap().method, DarkMethod::Time);
+        assert!(scan.value.iter().all(|v| (v - 7.0).abs() < 1e-9));
     }
 
     #[test]
