@@ -23,6 +23,7 @@ mod report;
 pub mod result;
 pub mod select;
 pub mod selection;
+mod slab;
 pub mod solver;
 mod start;
 mod warnings;

@@ -7,9 +7,10 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::chart::{Chart, Local};
-use crate::data::{Block, FitData};
+use crate::data::FitData;
 use crate::metric::{Columns, Loss, Metric, Weighed, accumulate, weigh};
 use crate::normal::Normal;
+use crate::slab::Block;
 use crate::solver::LeastSquares;
 
 /// Pairs worked on at once: their columns stay in the first-level cache.
