@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use gonio_bsdf::analytic::families;
+use gonio_bsdf::analytic::{Role, families};
 use gonio_geom::{Angles, Component};
 use gonio_scan::Measurement;
 use rayon::prelude::*;
@@ -91,7 +91,8 @@ pub struct Choice {
 
 /// Fit models that describe the components with readings and no other: those of [`fit_models`], and where light is both
 /// reflected
-/// and transmitted also each reflecting family with each transmitting one, diffuse parts included.
+/// and transmitted also each reflecting family with each transmitting one, diffuse parts included. Models with an axis only
+/// where the incidences lie in more than one plane.
 ///
 /// # Errors
 /// [`FitError`] when the selection names an unknown channel or the list of models is broken.
@@ -99,10 +100,21 @@ pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Ve
     let data = FitData::new(measurement, selection, |_| true, false)?;
     let has = |c| data.slabs.iter().any(|s| s.component == c);
     let (reflects, transmits) = (has(Component::Reflection), has(Component::Transmission));
+    // Incidences of one plane cannot tell the sample's axis from that plane.
+    let turned = data.incidences.iter().any(|a| {
+        let a = a.direction().vec();
+        let across = |b: &Angles| {
+            let b = b.direction().vec();
+            (a.x * b.y - a.y * b.x).abs() > 1e-3
+        };
+        data.incidences.iter().any(across)
+    });
+    let has_axis = |m: &FitModel| m.parameters.iter().any(|p| p.role == Role::Angle);
     // A model of a component without readings carries parameters that nothing determines.
     let fits = |m: &FitModel| {
         reflects == m.scatters_into(Component::Reflection)
             && transmits == m.scatters_into(Component::Transmission)
+            && (turned || !has_axis(m))
     };
     let mut models: Vec<FitModel> = fit_models()?.into_iter().filter(fits).collect();
     if reflects && transmits {
@@ -112,10 +124,7 @@ pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Ve
                 info.scatters.into(component)
                     && info.scatters != gonio_bsdf::analytic::Scatters::Both
                     && info.parameters.len() > 1
-                    && info
-                        .parameters
-                        .iter()
-                        .all(|p| p.role != gonio_bsdf::analytic::Role::Angle)
+                    && info.parameters.iter().all(|p| p.role != Role::Angle)
             })
         };
         for r in lobes(Component::Reflection) {

@@ -3,7 +3,9 @@
 use crate::common::{Campaign, measure, rng, uniform};
 use gonio_bsdf::Channel;
 use gonio_fit::metric::Metric;
-use gonio_fit::{Fit, FitError, FitOptions, Interval, Kind, Reason, Selection, fit, fit_model, select};
+use gonio_fit::{
+    Fit, FitError, FitOptions, Interval, Kind, Reason, Selection, candidates, fit, fit_model, select,
+};
 use gonio_scan::{Flags, Measurement};
 
 const P: Channel = Channel::Photopic;
@@ -68,6 +70,51 @@ fn the_wrong_model_shows_in_the_spread_between_metrics() {
         right.estimates
     );
     assert!(right.warnings.is_empty(), "{:?}", right.warnings);
+}
+
+#[test]
+fn microfacets_fitted_with_the_wrong_slopes_show_in_the_spread_between_metrics() {
+    let truth = fit_model("ggx").unwrap();
+    let q = [(P, vec![0.3, 0.05, 0.12])];
+    let measurement = measure(&truth, &q, &noisy(), &mut rng(8));
+    let (wrong, right) = (
+        run(&measurement, "ward-gmd").unwrap(),
+        run(&measurement, "ggx").unwrap(),
+    );
+    // Noise alone moves the parameters far less than the choice of the metric does.
+    let noise = right.estimate("alpha", P).unwrap().u;
+    let alpha = wrong.estimate("alpha", P).unwrap();
+    assert!(
+        alpha.u_model > 10.0 * noise && alpha.u_model > 2.0 * alpha.u,
+        "{noise} {alpha:?}"
+    );
+    assert!(
+        wrong.warns("metric_spread") && wrong.warns("misfit"),
+        "{:?}",
+        wrong.warnings
+    );
+    for estimate in &right.estimates {
+        assert!(estimate.u_model < 5.0 * estimate.u, "{estimate:?}");
+    }
+    assert!(right.warnings.is_empty(), "{:?}", right.warnings);
+}
+
+#[test]
+fn models_with_an_axis_are_tried_where_the_sample_was_turned() {
+    let straight = plastic(&noisy(), 3);
+    let turned = Campaign {
+        phi_i: 65.0,
+        ..noisy()
+    };
+    let mut both = straight.clone();
+    both.slices.extend(plastic(&turned, 4).slices);
+    let names = |m: &Measurement| -> Vec<String> {
+        let models = candidates(m, &Selection::default()).unwrap();
+        models.into_iter().map(|m| m.name).collect()
+    };
+    let (few, all) = (names(&straight), names(&both));
+    assert!(few.iter().any(|n| n == "plastic") && !few.iter().any(|n| n == "plastic2"));
+    assert!(all.iter().any(|n| n == "plastic") && all.iter().any(|n| n == "plastic2"));
 }
 
 #[test]
