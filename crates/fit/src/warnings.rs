@@ -7,6 +7,7 @@ use gonio_geom::Component;
 use crate::data::FitData;
 use crate::fitting::Setting;
 use crate::limits::resolution;
+use crate::noise_law::median;
 use crate::result::{Fit, Warning};
 use crate::{Estimate, Kind, Metric};
 
@@ -74,10 +75,7 @@ pub(crate) fn of(fit: &Fit, data: &FitData, setting: &Setting<'_>) -> Vec<Warnin
             ),
         );
     }
-    if let Some(dispersion) = fit
-        .dispersion
-        .filter(|d| *d > MISFIT && data.slabs.iter().all(|s| s.law_known))
-    {
+    if fit.dispersion.is_some_and(|d| d > MISFIT) && data.slabs.iter().all(|s| s.law_known) {
         let worst = fit
             .residuals
             .iter()
@@ -96,7 +94,8 @@ pub(crate) fn of(fit: &Fit, data: &FitData, setting: &Setting<'_>) -> Vec<Warnin
             format!(
                 "residuals scatter {:.1} times as much as the stated noise{place}: {} does not describe the sample within its \
                  noise; compare other models or use a data-driven one",
-                dispersion.sqrt(),
+                // Not the dispersion: a robust loss bounds it.
+                median(fit.residuals.iter().map(|r| r.chi2)).sqrt(),
                 fit.model.name
             ),
         );
