@@ -24,17 +24,6 @@ use crate::errors::{OrRaise, domain};
 pub(crate) struct RadianceMaterial(NamedMaterial);
 
 impl RadianceMaterial {
-    /// `material` under the name `id`, without a modifier.
-    #[allow(dead_code, reason = "for bindings that make materials, as the fit does")]
-    pub(crate) fn named(id: &str, material: Material) -> Self {
-        RadianceMaterial(NamedMaterial {
-            id: id.into(),
-            modifier: VOID.into(),
-            material,
-            line: 0,
-        })
-    }
-
     fn item(&self) -> Item {
         Item {
             modifier: self.0.modifier.clone(),
