@@ -13,6 +13,9 @@ pub struct Normal {
     pub matrix: DMatrix<f64>,
 }
 
+/// Most changes of the active set a variable; it settles in far fewer.
+const ACTIVE_SET_CHANGES: usize = 4;
+
 impl Normal {
     /// Zero equations of `n` variables.
     pub fn new(n: usize) -> Self {
@@ -53,8 +56,13 @@ impl Normal {
         -(self.gradient.dot(step) + 0.5 * step.dot(&(&self.matrix * step)))
     }
 
-    /// The step that minimises the damped model within `room` (how far each variable may go down and up); variables
-    /// in `stays` do not move. `None` when the matrix is not positive definite.
+    /// The step that minimises the damped model within `room` (how far each variable may go down and up, which holds 0);
+    /// variables in `stays` do not move. `None` when the matrix is not positive definite.
+    ///
+    /// An active-set method after \[StarkParker1995\]: it goes towards the minimum over the free variables as far as the box
+    /// allows, holds the variable that it hits there, and frees one that would rather leave its bound. The model never rises
+    /// on the way. Setting all variables that leave the box to their bounds at once would not do: steps along a direction
+    /// that the data hardly determine cancel each other, and cut short they no longer do.
     pub(crate) fn boxed_step(
         &self,
         damping: f64,
@@ -63,39 +71,54 @@ impl Normal {
         room: &[(f64, f64)],
     ) -> Option<DVector<f64>> {
         let n = stays.len();
-        let mut step = DVector::zeros(n);
-        let mut free: Vec<usize> = (0..n).filter(|&k| !stays[k]).collect();
-        let mut bound: Vec<usize> = Vec::new();
-        while !free.is_empty() {
-            let m = free.len();
-            let matrix = DMatrix::from_fn(m, m, |a, b| {
-                let (i, j) = (free[a], free[b]);
-                self.matrix[(i, j)] + if i == j { damping * scale[i] } else { 0.0 }
-            });
-            let right = DVector::from_fn(m, |a, _| {
-                let i = free[a];
-                -self.gradient[i] - bound.iter().map(|&j| self.matrix[(i, j)] * step[j]).sum::<f64>()
-            });
-            let solved = solve_scaled(&matrix, &right)?;
-            let outside = |a: usize| solved[a] < room[free[a]].0 || solved[a] > room[free[a]].1;
-            if !(0..m).any(outside) {
-                for (a, &i) in free.iter().enumerate() {
-                    step[i] = solved[a];
-                }
-                break;
-            }
-            let mut rest = Vec::with_capacity(m);
-            for (a, &i) in free.iter().enumerate() {
-                if outside(a) {
-                    step[i] = solved[a].clamp(room[i].0, room[i].1);
-                    bound.push(i);
-                } else {
-                    rest.push(i);
-                }
-            }
-            free = rest;
+        let mut matrix = self.matrix.clone();
+        for (k, s) in scale.iter().enumerate() {
+            matrix[(k, k)] += damping * s;
         }
-        step.iter().all(|v| v.is_finite()).then_some(step)
+        let mut step = DVector::zeros(n);
+        let mut free: Vec<bool> = stays.iter().map(|s| !s).collect();
+        for _ in 0..ACTIVE_SET_CHANGES * (n + 1) {
+            let index: Vec<usize> = (0..n).filter(|&k| free[k]).collect();
+            let slope = &self.gradient + &matrix * &step;
+            let part = DMatrix::from_fn(index.len(), index.len(), |a, b| matrix[(index[a], index[b])]);
+            let right = DVector::from_fn(index.len(), |a, _| -slope[index[a]]);
+            let more = solve_scaled(&part, &right)?;
+            if more.iter().any(|v| !v.is_finite()) {
+                return None;
+            }
+            // The share of the way up to the first bound.
+            let mut way = 1.0;
+            let mut hit = None;
+            for (a, &k) in index.iter().enumerate() {
+                let bound = if more[a] < 0.0 { room[k].0 } else { room[k].1 };
+                let share = ((bound - step[k]) / more[a]).max(0.0);
+                if share < way {
+                    (way, hit) = (share, Some((k, bound)));
+                }
+            }
+            for (a, &k) in index.iter().enumerate() {
+                step[k] = (step[k] + way * more[a]).clamp(room[k].0, room[k].1);
+            }
+            if let Some((k, bound)) = hit {
+                step[k] = bound;
+                free[k] = false;
+                continue;
+            }
+            let slope = &self.gradient + &matrix * &step;
+            let pull = |k: usize| slope[k] / matrix[(k, k)].sqrt();
+            let leaves = (0..n)
+                .filter(|&k| !free[k] && !stays[k])
+                .filter(|&k| {
+                    (step[k] <= room[k].0 && slope[k] < 0.0) || (step[k] >= room[k].1 && slope[k] > 0.0)
+                })
+                .filter(|&k| room[k].0 < room[k].1)
+                .max_by(|&a, &b| pull(a).abs().total_cmp(&pull(b).abs()));
+            match leaves {
+                Some(k) => free[k] = true,
+                None => break,
+            }
+        }
+        Some(step)
     }
 
     /// Inverse of the matrix over the variables `free`, zero elsewhere. `None` when it is singular to rounding.

@@ -93,8 +93,8 @@ const MAX_DAMPING: f64 = 1e16;
 /// Minimises `problem` from `start` with every variable between `low` and `high`.
 ///
 /// Levenberg–Marquardt with Marquardt's scaling \[Marquardt1963\] and the gain-ratio control of the damping of
-/// \[MadsenNielsenTingleff2004, alg. 3.16\]. Each step minimises the damped quadratic model within the box:
-/// a variable whose step leaves the box is put on its bound and the others are solved again. Only the matrix of the
+/// \[MadsenNielsenTingleff2004, alg. 3.16\]. Each step minimises the damped quadratic model within the box by an
+/// active-set method \[StarkParker1995\]. Only the matrix of the
 /// normal equations is kept, never the Jacobian: memory does not grow with the number of residuals.
 ///
 /// `start` is moved into the box first. Slices of unequal length panic.

@@ -67,6 +67,20 @@ fn rosenbrocks_valley_leads_to_one_one() {
 }
 
 #[test]
+fn a_long_step_along_a_valley_is_cut_at_the_box_without_climbing_its_side() {
+    // The valley runs along x1 = -5 x0; the far minimum lies at x0 = 1e5. With both variables on the bounds that the
+    // step passes, (1, -1), the cost is 32 more than at the start.
+    let rows = |x: &[f64], row: &mut dyn FnMut(f64, &[f64])| {
+        row(10.0 * (x[0] + 0.2 * x[1]), &[10.0, 2.0]);
+        row(0.01 * (x[0] - 1e5), &[0.01, 0.0]);
+    };
+    let found = solve(rows, &[0.0, 0.0], -1.0, 1.0);
+    assert!(found.stop.converged());
+    assert_eq!(found.x[1], -1.0);
+    assert!((found.x[0] - 30.0 / 100.0001).abs() < 1e-6, "{:?}", found.x);
+}
+
+#[test]
 fn a_bound_across_the_valley_is_kept_and_the_minimum_on_it_found() {
     // On x0 <= 0.5 the minimum is x0 = 0.5, x1 = 0.25.
     let options = SolverOptions::default();
