@@ -1,7 +1,9 @@
 """10,000,000 evaluations of a BSDF, float32 arrays in and float32 arrays out: gonio against Mitsuba 3.
 
 Both take the directions as an array (3, n) for one direction of incidence and give three channels (3, n),
-both on one thread. CPU seconds of this process, medians of pairs that alternate in one run.
+both on one thread. CPU seconds of this process, medians of pairs that alternate in one run. Neither asks the
+kernel for memory: Dr.Jit keeps what results were freed for the next one, and ours go to an array given as `out`.
+`ours_new_array` is our time with a new array for each result, `ratio_new_array` the ratio then.
 
 `eval-ggx`: GGX of one width with Schlick's reflectance, one f0 a channel: `ggx` against `principled` of
 metallic 1, the plugin with these terms. The masking is height-correlated here and separable there. Beside it
@@ -143,14 +145,20 @@ def run() -> list[dict[str, Any]]:
         wanted = by_mitsuba(mi, peers[make], few)
         np.testing.assert_allclose(found, wanted, rtol=0, atol=tolerance * wanted.max())
 
+    held = np.empty((len(F0), COUNT), np.float32)
+
     def timed(name: str, make: Any, plugin: str) -> dict[str, Any]:
         model, peer = models[make], peers[make]
-        return record(
-            name,
-            f"Mitsuba {mi.__version__} llvm_ad_rgb, {plugin}",
-            lambda: model.eval_directions(wi=WI, ws=ws),
-            lambda: by_mitsuba(mi, peer, ws),
+        found, fresh = (
+            record(
+                name,
+                f"Mitsuba {mi.__version__} llvm_ad_rgb, {plugin}",
+                lambda out=out: model.eval_directions(wi=WI, ws=ws, out=out),
+                lambda: by_mitsuba(mi, peer, ws),
+            )
+            for out in (held, None)
         )
+        return found | {"ours_new_array": fresh["ours"], "ratio_new_array": fresh["ratio"]}
 
     ggx = timed(IDS[0], principled, "principled")
     exact = timed("", roughconductor, "roughconductor")

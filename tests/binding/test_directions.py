@@ -130,6 +130,39 @@ def test_a_bad_vector_far_in_is_named(model):
         model.eval_directions(wi=[0, 0, 1], ws=ws)
 
 
+def test_values_are_written_to_the_array_given(model):
+    wi, ws = unit(5001, 1).astype(np.float32), unit(5001, 2).astype(np.float32)
+    wanted = model.eval_directions(wi=wi, ws=ws)
+    held = np.full_like(wanted, np.nan)
+    assert model.eval_directions(wi=wi, ws=ws, out=held) is held
+    np.testing.assert_array_equal(held, wanted)
+    wide = np.full(wanted.shape, np.nan)
+    exact = model.eval_directions(wi=wi.astype(float), ws=ws.astype(float), out=wide)
+    assert exact is wide
+    np.testing.assert_allclose(wide, wanted, rtol=1e-5)
+
+
+def test_an_array_that_cannot_take_the_values_is_refused(model):
+    ws = np.zeros((3, 5), np.float32)
+    ws[2] = 1
+    right = model.eval_directions(wi=[0, 0, 1], ws=ws)
+    locked = right.copy()
+    locked.flags.writeable = False
+    wide = np.zeros((2 * right.shape[0], 5), np.float32)
+    for out, text in [
+        (right.astype(float), "float64"),
+        (right.tolist(), "list"),
+        (right[:, :4].copy(), "shape"),
+        (wide[::2], "strides"),
+        (locked, "read-only"),
+    ]:
+        with pytest.raises(gonio.DomainError, match=f"out: found .*{text}"):
+            model.eval_directions(wi=[0, 0, 1], ws=ws, out=out)
+    one = gonio.analytic({"model": "lambert", "rho": {"red": 0.5, "green": 0.5, "blue": 0.5}})
+    with pytest.raises(gonio.DomainError, match="shared with"):
+        one.eval_directions(wi=[0, 0, 1], ws=ws, out=ws)
+
+
 @pytest.mark.parametrize("bad", [1.0, -0.1, np.nan])
 def test_numbers_outside_the_unit_interval_are_refused(model, bad):
     u = np.full((3, 9000), 0.5, np.float32)

@@ -144,23 +144,52 @@ fn rows<T: Number + Element>(py: Python<'_>, count: usize, n: usize) -> PyResult
     Ok(array.cast_into::<PyArray2<T>>()?)
 }
 
-/// `f(wi, ws)` of shape (channels, n).
+/// `out` as the array to write `count` rows of `n` to.
+fn given_rows<'py, T: Number + Element>(
+    out: &Bound<'py, PyAny>,
+    count: usize,
+    n: usize,
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let dtype = T::get_dtype(out.py());
+    let allowed = format!("a C-contiguous {dtype} array of shape ({count}, {n})");
+    let Ok(array) = out.cast::<PyArray2<T>>() else {
+        let found = out.getattr("dtype").unwrap_or(out.get_type().into_any());
+        return Err(domain("out", found, &allowed));
+    };
+    if array.shape() != [count, n] || !array.is_c_contiguous() {
+        let found = format!("shape {:?}, strides {:?}", array.shape(), array.strides());
+        return Err(domain("out", found, &allowed));
+    }
+    Ok(array.clone())
+}
+
+/// `f(wi, ws)` of shape (channels, n), in `out` where it is given.
 pub(crate) fn eval_directions<'py, T: Number + Element>(
     model: &dyn Model,
     wi: &Bound<'py, PyAny>,
     ws: &Bound<'py, PyAny>,
+    out: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<T>>> {
     let py = wi.py();
     let (wi, ws) = (as_array::<T>(wi, "wi")?, as_array::<T>(ws, "ws")?);
     let (wi, ws) = (Given::read(&wi, "wi")?, Given::read(&ws, "ws")?);
     let n = same_length([wi.len(), ws.len()], ["wi", "ws"])?;
     let channels = model.channels().len();
-    let out = rows::<T>(py, channels, n)?;
+    let out = match out {
+        Some(out) => given_rows::<T>(out, channels, n)?,
+        None => rows::<T>(py, channels, n)?,
+    };
     if n == 0 {
         return Ok(out);
     }
     {
-        let mut out = out.readwrite();
+        let mut out = out.try_readwrite().map_err(|_| {
+            domain(
+                "out",
+                "read-only or shared with wi or ws",
+                "a writable array of its own",
+            )
+        })?;
         let f = out.as_slice_mut()?;
         py.detach(|| -> PyResult<()> {
             let mut scratch: [[Vec<T>; 3]; 2] = Default::default();
@@ -169,14 +198,15 @@ pub(crate) fn eval_directions<'py, T: Number + Element>(
             for start in (0..n).step_by(STRETCH) {
                 let end = (start + STRETCH).min(n);
                 let (wi, ws) = (wi.stretch(start, end, one), ws.stretch(start, end, two));
+                let mut rows = take(&mut rest, end - start);
+                T::eval(model, wi, ws, &mut rows);
+                // Checked after, in the cache by then: reading memory goes on beside the arithmetic of the model.
                 if start == 0 || matches!(wi, Directions::Each(_)) {
                     checked(&wi, start, "wi")?;
                 }
                 if start == 0 || matches!(ws, Directions::Each(_)) {
                     checked(&ws, start, "ws")?;
                 }
-                let mut rows = take(&mut rest, end - start);
-                T::eval(model, wi, ws, &mut rows);
             }
             Ok(())
         })?;

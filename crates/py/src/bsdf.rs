@@ -270,16 +270,21 @@ impl Bsdf {
     /// lobe of width alpha by 1e-7 / alpha of its width: use float64 where that counts.) Otherwise float64. Vectors
     /// must be unit to 1e-5 in squared length and are not normalised. Runs on the calling thread, without the
     /// interpreter's lock.
-    #[pyo3(signature = (*, wi, ws))]
+    ///
+    /// `out`, a C-contiguous array of the result's shape and type, is written to and returned, as in numpy: a loop over
+    /// millions of directions then spares the kernel the clearing of a new array each time, which takes as long as a
+    /// simple model. After an error it holds nothing of use.
+    #[pyo3(signature = (*, wi, ws, out=None))]
     fn eval_directions<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
         ws: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         Ok(if is_single(ws) {
-            eval_directions::<f32>(self.0.as_ref(), wi, ws)?.into_any()
+            eval_directions::<f32>(self.0.as_ref(), wi, ws, out)?.into_any()
         } else {
-            eval_directions::<f64>(self.0.as_ref(), wi, ws)?.into_any()
+            eval_directions::<f64>(self.0.as_ref(), wi, ws, out)?.into_any()
         })
     }
 

@@ -83,12 +83,13 @@ pub enum Scatters {
 
 impl Scatters {
     /// Whether light goes into `component`.
-    pub fn into(self, component: Component) -> bool {
-        match self {
-            Scatters::Both => true,
-            Scatters::Reflection => component == Component::Reflection,
-            Scatters::Transmission => component == Component::Transmission,
-        }
+    pub const fn into(self, component: Component) -> bool {
+        matches!(
+            (self, component),
+            (Scatters::Both, _)
+                | (Scatters::Reflection, Component::Reflection)
+                | (Scatters::Transmission, Component::Transmission)
+        )
     }
 }
 

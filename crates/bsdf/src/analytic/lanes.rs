@@ -1,5 +1,7 @@
 //! Loops over many pairs of one formula, as vector instructions of what the processor has.
 
+use std::marker::PhantomData;
+
 use gonio_geom::Component;
 use multiversion::multiversion;
 
@@ -95,38 +97,52 @@ pub(super) fn sample_together<F: Formula>(
     }
 }
 
-/// Whether a parameter usually differs between channels.
-fn spectral(role: Role) -> bool {
-    matches!(role, Role::Amplitude | Role::Index)
+/// What loops know about a formula when they are compiled. (A static may lie where the compiler cannot see into it.)
+struct Known<F>(PhantomData<F>);
+
+impl<F: Formula> Known<F> {
+    const REFLECTS: bool = F::INFO.scatters.into(Component::Reflection);
+    const TRANSMITS: bool = F::INFO.scatters.into(Component::Transmission);
+    const PARAMETERS: usize = F::INFO.parameters.len();
+
+    /// The parameters that usually differ between channels.
+    const SPECTRAL: [bool; MOST] = {
+        assert!(Self::PARAMETERS <= MOST, "room for every parameter");
+        let mut spectral = [false; MOST];
+        let mut k = 0;
+        while k < Self::PARAMETERS {
+            spectral[k] = matches!(F::INFO.parameters[k].role, Role::Amplitude | Role::Index);
+            k += 1;
+        }
+        spectral
+    };
 }
 
-/// Whether channels have all other parameters in common.
+/// Whether channels have all parameters in common that are not [`Known::SPECTRAL`].
 fn shared<F: Formula>(parameters: &[Vec<f64>]) -> bool {
-    F::INFO
-        .parameters
-        .iter()
-        .enumerate()
-        .all(|(k, info)| spectral(info.role) || parameters.iter().all(|p| p[k] == parameters[0][k]))
+    (0..Known::<F>::PARAMETERS)
+        .all(|k| Known::<F>::SPECTRAL[k] || parameters.iter().all(|p| p[k] == parameters[0][k]))
 }
 
-/// The prepared parameters of `C` channels, so built that the compiler sees what they have in common.
+/// The prepared parameters of `C` channels, so built that the compiler sees what they have in common: no closures, which
+/// may stay out of line, and indices that are known.
 #[inline(always)]
+#[allow(clippy::needless_range_loop)]
 fn shapes<F: Formula, R: Real, const C: usize>(parameters: &[Vec<f64>]) -> [F::Shape<R>; C] {
-    const { assert!(F::INFO.parameters.len() <= MOST, "room for every parameter") };
-    let infos = F::INFO.parameters;
-    let mut common = [R::constant(0.0); MOST];
-    for (to, from) in common.iter_mut().zip(&parameters[0]) {
-        *to = R::constant(*from);
+    let mut p = [R::constant(0.0); MOST];
+    for k in 0..Known::<F>::PARAMETERS {
+        p[k] = R::constant(parameters[0][k]);
     }
-    std::array::from_fn(|c| {
-        let mut p = common;
-        for k in 0..infos.len() {
-            if spectral(infos[k].role) {
+    let mut shapes = [F::shape::<R>(&p[..Known::<F>::PARAMETERS]); C];
+    for c in 1..C {
+        for k in 0..Known::<F>::PARAMETERS {
+            if Known::<F>::SPECTRAL[k] {
                 p[k] = R::constant(parameters[c][k]);
             }
         }
-        F::shape::<R>(&p[..infos.len()])
-    })
+        shapes[c] = F::shape::<R>(&p[..Known::<F>::PARAMETERS]);
+    }
+    shapes
 }
 
 /// Vectors `start..start + LANES`; past the end the last one is repeated.
@@ -163,9 +179,7 @@ fn store<T: Number>(lanes: &[T; LANES], start: usize, to: &mut [T]) {
 #[inline(always)]
 fn lit<F: Formula, T: Number>(ci: T, cs: T) -> bool {
     let zero = T::default();
-    (ci > zero)
-        & (((cs > zero) & F::INFO.scatters.into(Component::Reflection))
-            | ((cs < zero) & F::INFO.scatters.into(Component::Transmission)))
+    (ci > zero) & (((cs > zero) & Known::<F>::REFLECTS) | ((cs < zero) & Known::<F>::TRANSMITS))
 }
 
 /// Side of `w`: what multiplies z to bring it to the front.

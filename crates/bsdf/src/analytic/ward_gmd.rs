@@ -83,7 +83,8 @@ pub struct Shape<R> {
 fn lobe<R: Real>(shape: &Shape<R>, pair: &Pair<R::Plain>) -> R {
     let h = pair.sum();
     let z2 = h[2] * h[2];
-    let normaliser = (h[0] * h[0] + h[1] * h[1] + z2) / (z2 * z2);
+    let inverse = z2.recip();
+    let normaliser = (h[0] * h[0] + h[1] * h[1] + z2) * inverse * inverse;
     (shape.rho * shape.slopes.density(h)).times(normaliser)
 }
 

@@ -25,6 +25,15 @@ impl Distribution for Ggx {
         (q + 1.0).squared().recip()
     }
 
+    /// `(|h|^2 / ((h_x/alpha_x)^2 + (h_y/alpha_y)^2 + h_z^2))^2 / (pi alpha_x alpha_y)`: one division.
+    #[inline(always)]
+    fn density<W: Widths, R: Real>(widths: &W::Shape<R>, h: [R::Plain; 3]) -> R {
+        let z2 = h[2] * h[2];
+        let length2 = h[0] * h[0] + h[1] * h[1] + z2;
+        let squeezed = W::squeezed(widths, h).plus(z2);
+        W::norm(widths) * squeezed.recip().times(length2).squared()
+    }
+
     #[inline(always)]
     fn masking<W: Widths, R: Real>(widths: &W::Shape<R>, v: [R::Plain; 3]) -> R {
         reach::<W, R>(widths, v).plus(v[2].abs()).recip() * 2.0
