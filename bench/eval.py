@@ -2,8 +2,8 @@
 
 Both take the directions as an array (3, n) for one direction of incidence and give three channels (3, n),
 both on one thread. CPU seconds of this process, medians of pairs that alternate in one run. Neither asks the
-kernel for memory: Dr.Jit keeps what results were freed for the next one, and ours go to an array given as `out`.
-`ours_new_array` is our time with a new array for each result, `ratio_new_array` the ratio then.
+kernel for memory: Dr.Jit keeps that of freed results for the next one, and ours go to an array given as
+`out`. `ours_new_array` is our time with a new array for each result, `ratio_new_array` the ratio then.
 
 `eval-ggx`: GGX of one width with Schlick's reflectance, one f0 a channel: `ggx` against `principled` of
 metallic 1, the plugin with these terms. The masking is height-correlated here and separable there. Beside it

@@ -76,8 +76,8 @@ MUTANTS = (
     Mutant(
         "the normaliser of the Ward lobe with a power of the cosine missing",
         "analytic/ward_gmd.rs",
-        "/ (z2 * z2)",
-        "/ z2",
+        "* inverse * inverse",
+        "* inverse",
         ("ward-gmd",),
     ),
     Mutant(
