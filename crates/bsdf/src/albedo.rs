@@ -4,8 +4,9 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use gonio_geom::{Component, Direction, Side};
+use gonio_geom::{Component, DVec3, Direction, Side};
 
+use crate::batch::Directions;
 use crate::{Bsdf, Lobe};
 
 /// An integral with a bound on its numerical error.
@@ -37,17 +38,17 @@ pub fn directional_albedo(model: &dyn Bsdf, wi: Direction, component: Component,
         .filter(|s| s.lobe != Lobe::Delta && s.direction.side() == side)
         .map(|s| s.direction)
         .collect();
-    let broad = if n == 1 {
-        integrate(wi, side, &hints, |ws| {
-            model.eval_first(wi, ws) * ws.cos_theta().abs()
-        })
-    } else {
-        integrate(wi, side, &hints, |ws| {
-            let mut f = vec![0.0; n];
-            model.eval(wi, ws, &mut f);
-            f[channel] * ws.cos_theta().abs()
-        })
-    };
+    let v = wi.vec();
+    let wi_for_all = Directions::One([v.x, v.y, v.z]);
+    let mut values = vec![[0.0; NODES]; n];
+    let broad = integrate(wi, side, &hints, |ws, dsf| {
+        let ws = ws.each_ref().map(|column| &column[..dsf.len()]);
+        let mut rows: Vec<&mut [f64]> = values.iter_mut().map(|row| &mut row[..dsf.len()]).collect();
+        model.eval_f64(wi_for_all, Directions::Each(ws), &mut rows);
+        for ((out, f), z) in dsf.iter_mut().zip(&values[channel]).zip(ws[2]) {
+            *out = f * z.abs();
+        }
+    });
     broad.value + shares[channel]
 }
 
@@ -78,7 +79,11 @@ pub fn hemispherical_integral(wi: Direction, side: Side, g: impl Fn(Direction) -
     });
     let weight = |d: &Direction| g(*d) * d.theta().sin();
     let largest = searched.max_by(|a, b| weight(a).total_cmp(&weight(b)));
-    integrate(wi, side, largest.as_slice(), g)
+    integrate(wi, side, largest.as_slice(), |[x, y, z], values| {
+        for (k, value) in values.iter_mut().enumerate() {
+            *value = g(Direction::from_unit(DVec3::new(x[k], y[k], z[k])));
+        }
+    })
 }
 
 /// Point `k` of an even sequence in the unit cube: multiples of the powers of the root of `x^4 = x + 1`.
@@ -87,13 +92,19 @@ fn scattered_point(k: u32) -> [f64; 3] {
     [1, 2, 3].map(|power| (0.5 + f64::from(k + 1) / ROOT.powi(power)).fract())
 }
 
-/// [`hemispherical_integral`] that also looks at `hints`, directions where `g` may be large.
-fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Direction) -> f64) -> Integral {
+/// [`hemispherical_integral`] that also looks at `hints`, directions where `g` may be large. `g` takes columns of unit
+/// vectors, of which the first are wanted, and fills as many values.
+fn integrate(
+    wi: Direction,
+    side: Side,
+    hints: &[Direction],
+    mut g: impl FnMut(&[[f64; NODES]; 3], &mut [f64]),
+) -> Integral {
     let (theta_0, phi_0) = (wi.theta().min(PI - wi.theta()), wi.phi() + PI);
-    let integrand = |theta: f64, dphi: f64| {
-        let d = Direction::from_spherical(theta, phi_0 + dphi);
-        let ws = if side == Side::Front { d } else { d.flipped() };
-        g(ws) * theta.sin()
+    let mut integrand = Integrand {
+        phi_0,
+        side: side.sign(),
+        g: &mut g,
     };
     let hints: Vec<Hint> = hints
         .iter()
@@ -101,10 +112,9 @@ fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Directio
             let theta = d.theta().min(PI - d.theta());
             let dphi = d.phi() - phi_0;
             let at = [theta, dphi - TAU * ((dphi - SEAM) / TAU).floor()];
-            Hint {
-                at,
-                value: integrand(at[0], at[1]),
-            }
+            let mut value = [0.0];
+            integrand.evaluate(&[at[0]], &[at[1]], &mut value);
+            Hint { at, value: value[0] }
         })
         .collect();
 
@@ -113,7 +123,7 @@ fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Directio
     let mut evaluated = 0;
     let mut first = vec![([0.0, SEAM], [FRAC_PI_2, SEAM + TAU])];
     while let Some((low, high)) = first.pop() {
-        let patch = Patch::evaluate(&integrand, low, high);
+        let patch = Patch::evaluate(&mut integrand, low, high);
         evaluated += 1;
         match patch.coarse_axis([theta_0, 0.0], &hints) {
             Some(axis) if evaluated < MAX_BOXES => first.extend(patch.halves(axis)),
@@ -127,7 +137,7 @@ fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Directio
         let Some(worst) = heap.pop() else { break };
         error -= worst.error;
         for (low, high) in worst.halves(worst.axis) {
-            let patch = Patch::evaluate(&integrand, low, high);
+            let patch = Patch::evaluate(&mut integrand, low, high);
             error += patch.error;
             heap.push(patch);
         }
@@ -137,6 +147,41 @@ fn integrate(wi: Direction, side: Side, hints: &[Direction], g: impl Fn(Directio
     Integral {
         value: heap.iter().map(|b| b.value).sum(),
         error: heap.iter().map(|b| b.error).sum(),
+    }
+}
+
+/// Directions of one box.
+const NODES: usize = KRONROD.len() * KRONROD.len();
+
+/// What is integrated, over polar angle and azimuth from the mirror direction.
+struct Integrand<'a> {
+    phi_0: f64,
+    /// Sign of the hemisphere.
+    side: f64,
+    g: &'a mut dyn FnMut(&[[f64; NODES]; 3], &mut [f64]),
+}
+
+impl Integrand<'_> {
+    /// `g sin(theta)` at every polar angle with every azimuth, polar angle by polar angle.
+    fn evaluate(&mut self, theta: &[f64], dphi: &[f64], values: &mut [f64]) {
+        let mut ws = [[0.0; NODES]; 3];
+        let azimuth = |dphi: &f64| (self.phi_0 + dphi).sin_cos();
+        let mut sin_cos_phi = [(0.0, 0.0); KRONROD.len()];
+        for (to, dphi) in sin_cos_phi.iter_mut().zip(dphi) {
+            *to = azimuth(dphi);
+        }
+        for (i, theta) in theta.iter().enumerate() {
+            let (sin, cos) = theta.sin_cos();
+            for (j, (sin_phi, cos_phi)) in sin_cos_phi[..dphi.len()].iter().enumerate() {
+                let k = i * dphi.len() + j;
+                (ws[0][k], ws[1][k], ws[2][k]) = (sin * cos_phi, sin * sin_phi, cos * self.side);
+            }
+        }
+        (self.g)(&ws, values);
+        for (row, theta) in values.chunks_mut(dphi.len()).zip(theta) {
+            let sin = theta.sin();
+            row.iter_mut().for_each(|v| *v *= sin);
+        }
     }
 }
 
@@ -159,16 +204,19 @@ struct Patch {
 }
 
 impl Patch {
-    fn evaluate(g: &impl Fn(f64, f64) -> f64, low: [f64; 2], high: [f64; 2]) -> Self {
+    fn evaluate(g: &mut Integrand<'_>, low: [f64; 2], high: [f64; 2]) -> Self {
         let centre = [0, 1].map(|a| 0.5 * (low[a] + high[a]));
         let half = [0, 1].map(|a| 0.5 * (high[a] - low[a]));
+        let nodes = [0, 1].map(|a| KRONROD.map(|(x, _)| centre[a] + half[a] * x));
+        let mut values = [0.0; NODES];
+        g.evaluate(&nodes[0], &nodes[1], &mut values);
         // The Kronrod rule in both coordinates, and with the Gauss rule in one of them.
         let (mut fine, mut coarse_theta, mut coarse_phi) = (0.0, 0.0, 0.0);
         let mut largest = 0.0_f64;
-        for (i, &(xt, wt)) in KRONROD.iter().enumerate() {
+        for (i, &(_, wt)) in KRONROD.iter().enumerate() {
             let (mut row, mut row_coarse) = (0.0, 0.0);
-            for (j, &(xp, wp)) in KRONROD.iter().enumerate() {
-                let v = g(centre[0] + half[0] * xt, centre[1] + half[1] * xp);
+            for (j, &(_, wp)) in KRONROD.iter().enumerate() {
+                let v = values[i * KRONROD.len() + j];
                 largest = largest.max(v);
                 row += wp * v;
                 if j % 2 == 1 {

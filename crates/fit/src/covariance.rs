@@ -35,6 +35,8 @@ pub(crate) struct Covariance {
     /// Mean squared residual in units of the stated uncertainty, robust against outliers; `None` for metrics that have
     /// no unit.
     pub(crate) dispersion: Option<f64>,
+    /// Predicted DSF of every block.
+    pub(crate) predicted: Vec<Vec<f64>>,
 }
 
 /// Sum of the pulls over each cell of each slab, and its share of the diagonal of the scatter.
@@ -53,6 +55,7 @@ struct Sums {
     scale: Vec<f64>,
     /// Squared pulls in units of the uncertainty.
     squares: f64,
+    predicted: Vec<f64>,
 }
 
 /// The covariance at the minimum `x`; `normal` are the normal equations there. `None` when no variable is determined.
@@ -150,6 +153,7 @@ pub(crate) fn covariance(
         design_effect: if correlated { ratio.max(1.0) } else { 1.0 },
         cells: count,
         dispersion,
+        predicted: all.into_iter().map(|s| s.predicted).collect(),
     })
 }
 
@@ -181,6 +185,7 @@ fn sums(
     scratch: &mut Scratch,
 ) -> Sums {
     let block = &objective.data.blocks[b];
+    let slab = &objective.data.slabs[block.slab];
     let key = objective.key(block);
     let local = &locals[key.0][key.1];
     let p = local.columns;
@@ -192,19 +197,27 @@ fn sums(
         cells: vec![(vec![0.0; p], vec![0.0; p], 0); CELLS],
         scale: vec![0.0; p],
         squares: 0.0,
+        predicted: Vec::with_capacity(block.len()),
     };
     let mut nothing = vec![0.0; p];
     let (mut product, mut squared, mut weighted) = (Vec::new(), Vec::new(), Vec::new());
     for range in chunks(block, 0..block.len()) {
         let m = range.len();
-        scratch.evaluate(objective.chart, local, block, range.clone(), true);
-        scratch.weigh(objective, block, range.clone());
+        let rows = block.in_slab(&range);
+        scratch.evaluate(objective.chart, local, block.view(slab, range.clone()), true);
+        scratch.weigh(objective, block, range);
+        out.predicted.extend_from_slice(&scratch.predicted[..m]);
         product.resize(m, 0.0);
         squared.clear();
         squared.extend(scratch.pull[..m].iter().map(|p| p * p));
         weighted.clear();
-        weighted.extend((0..m).map(|j| scratch.curvature[j] * block.y[range.start + j]));
-        let (columns, variance) = (&scratch.columns[..p * m], &block.inverse_variance[range.clone()]);
+        weighted.extend(
+            scratch.curvature[..m]
+                .iter()
+                .zip(&slab.y[rows.clone()])
+                .map(|(c, y)| c * y),
+        );
+        let (columns, variance) = (&scratch.columns[..p * m], &slab.inverse_variance[rows.clone()]);
         let (gradient, zeros) = (&mut out.scale, &mut nothing);
         accumulate(
             columns,
@@ -225,8 +238,7 @@ fn sums(
             &mut out.stated,
         );
         for j in 0..m {
-            let at = block.index[range.start + j] as usize;
-            let cell = &mut out.cells[objective.data.slabs[block.slab].cell[at] as usize];
+            let cell = &mut out.cells[slab.cell[rows.start + j] as usize];
             cell.2 += 1;
             for a in 0..p {
                 let d = columns[a * m + j];

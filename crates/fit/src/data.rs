@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gonio_bsdf::Channel;
-use gonio_geom::{Angles, Component, Direction};
+use gonio_geom::{Angles, Component};
 use gonio_scan::{Measurement, Slice, resolution_uncertainty};
 use rayon::prelude::*;
 
@@ -11,7 +11,8 @@ use crate::FitError;
 use crate::cells::CELLS;
 use crate::profile::Profile;
 use crate::selection::{Exclusion, Reason, Selection};
-use crate::slab::{Block, Slab};
+use crate::slab::{Block, Nodes, Origin, Slab};
+use crate::sorting::{COMPONENTS, is_grazing, slot, sort};
 
 /// Where the weights of chi-square come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -50,73 +51,61 @@ impl FitData {
         signature: bool,
     ) -> Result<Self, FitError> {
         let channels = chosen_channels(measurement, &selection.channels)?;
-        let mut counts = BTreeMap::<Reason, usize>::new();
-        let mut others = BTreeMap::<u8, usize>::new();
-        let mut incidences: Vec<Angles> = Vec::new();
-        let mut slabs = Vec::new();
-        let (mut total, mut missing) = (0, 0);
         for (k, slice) in measurement.slices.iter().enumerate() {
             check_columns(k, slice)?;
-            let mut leave = |reason, n| *counts.entry(reason).or_insert(0) += n;
-            let Some(channel) = channels.iter().position(|c| *c == slice.channel) else {
+        }
+        let described = COMPONENTS.map(described);
+        let channel_of = |slice: &Slice| channels.iter().position(|c| *c == slice.channel);
+        let mut counts = BTreeMap::<Reason, usize>::new();
+        let mut leave = |reason, n| *counts.entry(reason).or_insert(0) += n;
+        let mut incidences: Vec<Angles> = Vec::new();
+        let mut chosen = Vec::new();
+        for (k, slice) in measurement.slices.iter().enumerate() {
+            let Some(channel) = channel_of(slice) else {
                 leave(Reason::Channel, slice.len());
                 continue;
             };
-            total += slice.len();
             let wi = slice.incidence.direction();
-            if wi.cos_theta().abs() < 1e-6 {
-                leave(Reason::Incidence, slice.len());
-                continue;
+            let known = incidences.iter().position(|a| a.direction().angle_to(wi) < 1e-6);
+            let incidence = known.unwrap_or(incidences.len());
+            if known.is_none() && !is_grazing(slice.incidence) {
+                incidences.push(slice.incidence);
             }
-            let at = incidences
-                .iter()
-                .position(|a| a.direction().angle_to(wi) < 1e-6)
-                .unwrap_or_else(|| {
-                    incidences.push(slice.incidence);
-                    incidences.len() - 1
-                });
-            let mut kept: [Vec<u32>; 2] = [Vec::new(), Vec::new()];
-            let directions: Vec<Direction> = (0..slice.len()).map(|j| slice.direction(j)).collect();
-            for (j, &ws) in directions.iter().enumerate() {
-                let component = Component::between(wi.side(), ws.side());
-                let reason = if !(slice.dsf[j].is_finite() && ws.vec().is_finite()) {
-                    Some(Reason::NoData)
-                } else if let Some(reason) = Reason::of_flags(slice.flags[j]) {
-                    Some(reason)
-                } else if ws.cos_theta().abs() < selection.max_theta_s.cos() - 1e-12 {
-                    Some(Reason::Grazing)
-                } else if selection.retro_radius > 0.0 && ws.angle_to(wi) < selection.retro_radius {
-                    Some(Reason::Retro)
-                } else if !described(component) || selection.component.is_some_and(|c| c != component) {
-                    *others.entry(slot(component) as u8).or_insert(0) += 1;
-                    Some(Reason::Component)
-                } else {
-                    None
-                };
-                match reason {
-                    Some(reason) => {
-                        missing += usize::from(reason == Reason::NoData);
-                        leave(reason, 1);
-                    }
-                    None => kept[slot(component)].push(j as u32),
-                }
-            }
+            chosen.push((k, channel, incidence));
+        }
+        let total: usize = chosen.iter().map(|c| measurement.slices[c.0].len()).sum();
+        let of_slice = |&(k, channel, incidence): &(usize, usize, usize)| {
+            let slice = &measurement.slices[k];
+            let mut sorted = sort(slice, selection, described);
             let mut beams = measurement.processing.beams.iter();
             let beam = beams.find(|b| signature && b.channel == slice.channel);
             let resolution =
                 beam.map(|b| resolution_uncertainty(slice, b.signature.second_moment, b.signature.fwhm));
-            for (index, component) in kept.iter().zip([Component::Reflection, Component::Transmission]) {
-                if !index.is_empty() {
-                    slabs.push(Slab::new(
-                        (k, channel, at),
+            let mut slabs = Vec::new();
+            for component in COMPONENTS {
+                let index = std::mem::take(&mut sorted.kept[slot(component)]);
+                if let (Some(pairs), false) = (&sorted.pairs, index.is_empty()) {
+                    let origin = Origin {
+                        slice: k,
+                        channel,
+                        incidence,
                         component,
-                        (slice, &directions),
-                        index,
-                        resolution.as_deref(),
-                    ));
+                        resolution: resolution.as_deref(),
+                    };
+                    slabs.push(Slab::new(&origin, slice, pairs, index));
                 }
             }
+            (slabs, sorted.left_out, sorted.others)
+        };
+        let done: Vec<_> = chosen.par_iter().map(of_slice).collect();
+        let mut slabs = Vec::new();
+        let mut others = [0; 2];
+        for (some, left_out, usable) in done {
+            slabs.extend(some);
+            left_out.into_iter().for_each(|(reason, n)| leave(reason, n));
+            (0..2).for_each(|k| others[k] += usable[k]);
         }
+        let missing = counts.get(&Reason::NoData).copied().unwrap_or(0);
         normalise_solid_angles(&mut slabs);
         let profiles = channels
             .iter()
@@ -132,16 +121,11 @@ impl FitData {
                 .map(|(reason, count)| Exclusion { reason, count })
                 .collect(),
             profiles,
-            other_component: others.into_iter().max_by_key(|o| o.1).map(|(s, n)| {
-                (
-                    if s == 0 {
-                        Component::Reflection
-                    } else {
-                        Component::Transmission
-                    },
-                    n,
-                )
-            }),
+            other_component: COMPONENTS
+                .map(|c| (c, others[slot(c)]))
+                .into_iter()
+                .filter(|(_, n)| *n > 0)
+                .max_by_key(|(_, n)| *n),
             missing: if total == 0 {
                 0.0
             } else {
@@ -157,34 +141,50 @@ impl FitData {
         self.slabs.iter().map(|s| s.y.len()).sum()
     }
 
-    /// Groups the readings by quadrature rule (`levels`: one entry a slab and reading; 0 none, `l` rule `l - 1`).
-    pub(crate) fn rebuild(&mut self, levels: Option<&[Vec<u8>]>) {
-        let mut keys: Vec<(usize, u8)> = Vec::new();
-        for s in 0..self.slabs.len() {
-            match levels {
-                None => keys.push((s, 0)),
-                Some(levels) => {
-                    let top = levels[s].iter().copied().max().unwrap_or(0);
-                    keys.extend((0..=top).filter(|l| levels[s].contains(l)).map(|l| (s, l)));
+    /// Groups the readings by quadrature rule: `levels` has one entry a slab and reading; 0 none, `l` rule `l - 1`. Puts
+    /// the readings of each slab, and `levels` with them, in the order of their rules.
+    pub(crate) fn rebuild(&mut self, levels: Option<&mut [Vec<u8>]>) {
+        let Some(levels) = levels else {
+            self.blocks = (0..self.slabs.len())
+                .map(|slab| Block {
+                    slab,
+                    rows: 0..self.slabs[slab].y.len(),
+                    nodes: None,
+                })
+                .collect();
+            return;
+        };
+        let profiles = &self.profiles;
+        let blocks: Vec<Vec<Block>> = self
+            .slabs
+            .par_iter_mut()
+            .zip(levels)
+            .enumerate()
+            .map(|(s, (slab, levels))| {
+                if !levels.is_sorted() {
+                    let mut order: Vec<u32> = (0..levels.len() as u32).collect();
+                    order.sort_by_key(|&j| levels[j as usize]);
+                    *slab = slab.subset(&order);
+                    levels.sort_unstable();
                 }
-            }
-        }
-        let blocks = keys
-            .par_iter()
-            .map(|&(s, level)| {
-                let slab = &self.slabs[s];
-                let index: Vec<u32> = (0..slab.y.len() as u32)
-                    .filter(|&j| levels.is_none_or(|l| l[s][j as usize] == level))
-                    .collect();
-                let profile = self.profiles[slab.channel].as_ref();
-                slab.block(
-                    s,
-                    index,
-                    profile.filter(|_| level > 0).map(|p| p.rule(level as usize - 1)),
-                )
+                let profile = profiles[slab.channel].as_ref();
+                let mut blocks = Vec::new();
+                for run in levels.chunk_by(|a, b| a == b) {
+                    let start = blocks.last().map_or(0, |b: &Block| b.rows.end);
+                    let rows = start..start + run.len();
+                    let rule = profile
+                        .filter(|_| run[0] > 0)
+                        .map(|p| p.rule(run[0] as usize - 1));
+                    blocks.push(Block {
+                        slab: s,
+                        nodes: rule.map(|rule| Nodes::new(slab, rows.clone(), rule)),
+                        rows,
+                    });
+                }
+                blocks
             })
             .collect();
-        self.blocks = blocks;
+        self.blocks = blocks.into_iter().flatten().collect();
     }
 
     /// At most about `target` readings, evenly taken from every cell of every slab, so that peaks stay resolved.
@@ -256,38 +256,30 @@ impl FitData {
     /// Sets the weights of chi-square from the predicted DSF of every block; `damped`: to the geometric mean of old and
     /// new ones.
     pub(crate) fn reweigh(&mut self, predicted: &[Vec<f64>], damped: bool) {
-        let slabs = &self.slabs;
-        self.blocks.par_iter_mut().zip(predicted).for_each(|(block, p)| {
-            let slab = &slabs[block.slab];
-            for ((w, &d), &j) in block.inverse_variance.iter_mut().zip(p).zip(&block.index) {
-                let new = 1.0 / (slab.law.variance(d) + slab.extra[j as usize]);
+        for (block, predicted) in self.blocks.iter().zip(predicted) {
+            let slab = &mut self.slabs[block.slab];
+            let (law, rows) = (slab.law, block.rows.clone());
+            let weights = &mut slab.inverse_variance[rows.clone()];
+            for ((w, &d), extra) in weights.iter_mut().zip(predicted).zip(&slab.extra[rows]) {
+                let new = 1.0 / (law.variance(d) + extra);
                 *w = if damped { (*w * new).sqrt() } else { new };
             }
-        });
+        }
     }
 
     /// Sets the weights of chi-square to the stated uncertainties; where there is none, the noise law at the reading.
     pub(crate) fn weigh_as_stated(&mut self) {
-        let slabs = &self.slabs;
-        for block in &mut self.blocks {
-            let slab = &slabs[block.slab];
-            for ((w, &y), &j) in block.inverse_variance.iter_mut().zip(&block.y).zip(&block.index) {
-                let stated = slab.stated[j as usize];
+        self.slabs.par_iter_mut().for_each(|slab| {
+            for (j, w) in slab.inverse_variance.iter_mut().enumerate() {
+                let stated = slab.stated[j];
                 *w = 1.0
                     / if stated > 0.0 {
                         stated
                     } else {
-                        slab.law.variance(y) + slab.extra[j as usize]
+                        slab.law.variance(slab.y[j]) + slab.extra[j]
                     };
             }
-        }
-    }
-}
-
-fn slot(component: Component) -> usize {
-    match component {
-        Component::Reflection => 0,
-        Component::Transmission => 1,
+        });
     }
 }
 

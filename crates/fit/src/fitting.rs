@@ -10,7 +10,6 @@ use crate::chart::Chart;
 use crate::covariance::{Covariance, covariance};
 use crate::data::FitData;
 use crate::limits::{Z95, mistrusted, profile_interval, resolution};
-use crate::noise_law::quantile;
 use crate::refine::{Goal, refine, settle};
 use crate::result::{Fit, OtherMetric};
 use crate::selection::phrase;
@@ -57,8 +56,11 @@ pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>
     }
     let solution = canonical(&setting, &mut data, solution, options);
     let objective = setting.goal.objective(&setting.chart, &data);
-    let spread = covariance(&objective, &solution.x, &solution.normal, &setting.held);
-    let predicted = objective.predict(&solution.x);
+    let mut spread = covariance(&objective, &solution.x, &solution.normal, &setting.held);
+    let predicted = match &mut spread {
+        Some(spread) => std::mem::take(&mut spread.predicted),
+        None => objective.predict(&solution.x),
+    };
     let mut estimates = estimates(&setting, &data, &solution, spread.as_ref(), options);
     let other_metrics = other_metrics(&setting, &mut data, &solution, options)?;
     for (k, e) in estimates.iter_mut().enumerate() {
@@ -269,15 +271,15 @@ fn check(data: &FitData, model: &FitModel, setting: &Setting<'_>) -> Result<(), 
         });
     }
     for (c, channel) in data.channels.iter().enumerate() {
-        let slabs = || data.slabs.iter().filter(|s| s.channel == c);
-        let (mut above, mut n, mut best) = (0, 0, f64::NEG_INFINITY);
-        for slab in slabs() {
+        let (mut above, mut n) = (0, 0);
+        let (mut best, mut top) = (f64::NEG_INFINITY, 0.0_f64);
+        for slab in data.slabs.iter().filter(|s| s.channel == c) {
             let floor = slab.law.constant.sqrt();
             n += slab.y.len();
             above += slab.y.iter().filter(|y| **y > 3.0 * floor).count();
-            best = slab.y.iter().fold(best, |b, y| b.max(y / floor));
+            let highest = slab.y.iter().fold(f64::NEG_INFINITY, |b, y| b.max(*y));
+            (best, top) = (best.max(highest / floor), top.max(highest));
         }
-        let top = quantile(slabs().flat_map(|s| s.y.iter().copied()), 1.0);
         if n == 0 || top <= 0.0 || (best < SIGNAL && (above as f64) <= SIGNAL_SHARE * n as f64) {
             return Err(FitError::NoSignal {
                 channel: channel.to_string(),

@@ -25,6 +25,7 @@ pub mod select;
 pub mod selection;
 mod slab;
 pub mod solver;
+mod sorting;
 mod start;
 mod warnings;
 

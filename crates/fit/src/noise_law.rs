@@ -13,6 +13,8 @@ pub struct NoiseLaw {
 const MEDIAN_SQUARE: f64 = 0.454_936_423_119_572_8;
 /// Passes of the estimate; each shrinks what is left by the ratio of low to high `D^2`.
 const PASSES: usize = 30;
+/// Relative change of the law from which the passes end.
+const SETTLED: f64 = 1e-9;
 /// Readings the estimate looks at, at most.
 const MAX_READINGS: usize = 20_000;
 
@@ -23,28 +25,22 @@ impl NoiseLaw {
         self.constant + self.relative * dsf * dsf
     }
 
-    /// The law behind stated standard uncertainties `u` of readings `dsf`: `constant` from the dimmest quarter of them,
-    /// `relative` from the brightest, each a median, so that readings with further sources of uncertainty (steep
-    /// slopes) do not count. `None` when fewer than eight uncertainties are positive.
-    pub fn of_uncertainties(dsf: &[f64], u: &[f64]) -> Option<Self> {
-        let stride = dsf.len().div_ceil(MAX_READINGS).max(1);
-        let mut pairs: Vec<(f64, f64)> = dsf
-            .iter()
-            .zip(u)
-            .step_by(stride)
-            .filter(|(d, u)| d.is_finite() && u.is_finite() && **u > 0.0)
-            .map(|(d, u)| (d * d, u * u))
+    /// The law behind stated variances of readings `dsf`: `constant` from the dimmest quarter of them, `relative` from
+    /// the brightest, each a median, so that readings with further sources of uncertainty (steep slopes) do not count.
+    /// `None` when fewer than eight variances are positive.
+    pub fn of_variances(dsf: &[f64], variance: &[f64]) -> Option<Self> {
+        let mut pairs: Vec<(f64, f64)> = thin(dsf)
+            .zip(thin(variance))
+            .filter(|(d, v)| d.is_finite() && v.is_finite() && *v > 0.0)
+            .map(|(d, v)| (d * d, v))
             .collect();
         Self::of_squares(&mut pairs, 1.0)
     }
 
-    /// The law behind residuals of a fit with predictions `dsf`, as [`NoiseLaw::of_uncertainties`].
+    /// The law behind residuals of a fit with predictions `dsf`, as [`NoiseLaw::of_variances`].
     pub fn of_residuals(dsf: &[f64], residual: &[f64]) -> Option<Self> {
-        let stride = dsf.len().div_ceil(MAX_READINGS).max(1);
-        let mut pairs: Vec<(f64, f64)> = dsf
-            .iter()
-            .zip(residual)
-            .step_by(stride)
+        let mut pairs: Vec<(f64, f64)> = thin(dsf)
+            .zip(thin(residual))
             .filter(|(d, r)| d.is_finite() && r.is_finite())
             .map(|(d, r)| (d * d, r * r))
             .collect();
@@ -64,6 +60,7 @@ impl NoiseLaw {
             relative: 0.0,
         };
         for _ in 0..PASSES {
+            let before = law;
             law.constant =
                 median(dim.iter().map(|&(d2, u2)| u2 / median_factor - law.relative * d2)).max(0.0);
             law.relative = median(
@@ -73,9 +70,20 @@ impl NoiseLaw {
                     .map(|&(d2, u2)| (u2 / median_factor - law.constant) / d2),
             )
             .max(0.0);
+            if (law.constant - before.constant).abs() <= SETTLED * law.constant
+                && (law.relative - before.relative).abs() <= SETTLED * law.relative
+            {
+                break;
+            }
         }
         (law.constant + law.relative > 0.0).then_some(law)
     }
+}
+
+/// Evenly spaced ones of `values`, at most as many as an estimate looks at.
+pub(crate) fn thin(values: &[f64]) -> impl Iterator<Item = f64> {
+    let stride = values.len().div_ceil(MAX_READINGS).max(1);
+    values.iter().step_by(stride).copied()
 }
 
 /// Median; 0 without values.
@@ -98,22 +106,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_law_is_found_again_from_the_uncertainties_it_gave() {
+    fn a_law_is_found_again_from_the_variances_it_gave() {
         let law = NoiseLaw {
             constant: 4e-8,
             relative: 1e-4,
         };
         let dsf: Vec<f64> = (0..400).map(|k| 0.05 + 1e-4 * f64::from(k * k)).collect();
-        let mut u: Vec<f64> = dsf.iter().map(|&d| law.variance(d).sqrt()).collect();
+        let mut variance: Vec<f64> = dsf.iter().map(|&d| law.variance(d)).collect();
         // One reading in ten lies on a slope.
-        u.iter_mut().step_by(10).for_each(|u| *u *= 3.0);
-        let found = NoiseLaw::of_uncertainties(&dsf, &u).unwrap();
+        variance.iter_mut().step_by(10).for_each(|v| *v *= 9.0);
+        let found = NoiseLaw::of_variances(&dsf, &variance).unwrap();
         assert!((found.relative / law.relative - 1.0).abs() < 1e-9, "{found:?}");
         assert!((found.constant / law.constant - 1.0).abs() < 1e-3, "{found:?}");
     }
 
     #[test]
     fn no_uncertainties_give_no_law() {
-        assert_eq!(NoiseLaw::of_uncertainties(&[1.0; 50], &[0.0; 50]), None);
+        assert_eq!(NoiseLaw::of_variances(&[1.0; 50], &[0.0; 50]), None);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use gonio_bsdf::analytic::PairsView;
 use gonio_geom::Component;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -58,17 +59,16 @@ fn resized(v: &mut Vec<f64>, n: usize) -> &mut [f64] {
 }
 
 impl Scratch {
-    /// Predictions, and derivatives when wanted, of the readings `range` of `block`.
+    /// Predictions, and derivatives when wanted, of readings with as many pairs each as there are weights.
     pub(crate) fn evaluate(
         &mut self,
         chart: &Chart<'_>,
         local: &Local,
-        block: &Block,
-        range: Range<usize>,
+        (view, weights): (PairsView<'_>, &[f64]),
         derivatives: bool,
     ) {
-        let (m, nodes) = (range.len(), block.weights.len());
-        let view = block.pairs.view(range.start * nodes..range.end * nodes);
+        let nodes = weights.len();
+        let m = view.len() / nodes;
         resized(&mut self.predicted, m).fill(0.0);
         resized(&mut self.columns, if derivatives { local.columns * m } else { 0 });
         let mut row = 0;
@@ -84,11 +84,7 @@ impl Scratch {
                 (true, _) => {
                     let gradient = resized(&mut self.nodes, own * m * nodes);
                     family.dsf_and_gradient(p, view, term, gradient);
-                    mean_over_nodes(
-                        gradient,
-                        &block.weights,
-                        &mut self.columns[row * m..(row + own) * m],
-                    );
+                    mean_over_nodes(gradient, weights, &mut self.columns[row * m..(row + own) * m]);
                 }
             }
             row += own;
@@ -98,7 +94,7 @@ impl Scratch {
                 }
             } else {
                 for (sum, v) in self.predicted[..m].iter_mut().zip(term.chunks_exact(nodes)) {
-                    *sum += v.iter().zip(&block.weights).map(|(v, w)| v * w).sum::<f64>();
+                    *sum += v.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
                 }
             }
         }
@@ -107,18 +103,20 @@ impl Scratch {
     /// Curvature and pull of the readings that [`Scratch::evaluate`] looked at last; returns their cost.
     pub(crate) fn weigh(&mut self, objective: &Objective<'_>, block: &Block, range: Range<usize>) -> f64 {
         let m = range.len();
+        let slab = &objective.data.slabs[block.slab];
+        let rows = block.in_slab(&range);
         resized(&mut self.curvature, m);
         resized(&mut self.pull, m);
         weigh(
             objective.metric,
             objective.loss,
             objective.by_solid_angle,
-            FLOOR * objective.data.slabs[block.slab].law.constant.sqrt(),
+            FLOOR * slab.law.constant.sqrt(),
             Columns {
                 predicted: &self.predicted[..m],
-                y: &block.y[range.clone()],
-                omega: &block.omega[range.clone()],
-                inverse_variance: &block.inverse_variance[range],
+                y: &slab.y[rows.clone()],
+                omega: &slab.omega[rows.clone()],
+                inverse_variance: &slab.inverse_variance[rows],
             },
             &mut Weighed {
                 curvature: &mut self.curvature[..m],
@@ -136,7 +134,7 @@ fn mean_over_nodes(values: &[f64], weights: &[f64], out: &mut [f64]) {
 
 /// Readings of `block` in pieces of about [`CHUNK`] pairs.
 pub(crate) fn chunks(block: &Block, within: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-    let size = (CHUNK / block.weights.len()).max(4);
+    let size = (CHUNK / block.pairs_each()).max(4);
     let end = within.end;
     within
         .step_by(size)
@@ -166,7 +164,7 @@ impl Objective<'_> {
     fn tasks(&self) -> Vec<(usize, Range<usize>)> {
         let mut tasks = Vec::new();
         for (b, block) in self.data.blocks.iter().enumerate() {
-            let size = (CHUNK / block.weights.len()).max(4) * CHUNKS_A_TASK;
+            let size = (CHUNK / block.pairs_each()).max(4) * CHUNKS_A_TASK;
             let mut start = 0;
             while start < block.len() {
                 let end = (start + size).min(block.len());
@@ -185,10 +183,11 @@ impl Objective<'_> {
             .par_iter()
             .map_init(Scratch::default, |scratch, block| {
                 let (c, side) = self.key(block);
+                let slab = &self.data.slabs[block.slab];
                 let mut out = Vec::with_capacity(block.len());
                 for range in chunks(block, 0..block.len()) {
                     let m = range.len();
-                    scratch.evaluate(self.chart, &locals[c][side], block, range, false);
+                    scratch.evaluate(self.chart, &locals[c][side], block.view(slab, range), false);
                     out.extend_from_slice(&scratch.predicted[..m]);
                 }
                 out
@@ -198,6 +197,7 @@ impl Objective<'_> {
 
     fn gram(&self, block: &Block, range: Range<usize>, local: &Local, scratch: &mut Scratch) -> Gram {
         let n = local.columns;
+        let slab = &self.data.slabs[block.slab];
         let mut gram = Gram {
             cost: 0.0,
             gradient: vec![0.0; n],
@@ -205,7 +205,7 @@ impl Objective<'_> {
         };
         for piece in chunks(block, range) {
             let m = piece.len();
-            scratch.evaluate(self.chart, local, block, piece.clone(), true);
+            scratch.evaluate(self.chart, local, block.view(slab, piece.clone()), true);
             gram.cost += scratch.weigh(self, block, piece);
             accumulate(
                 &scratch.columns[..n * m],

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use crate::chart::Chart;
 use crate::data::{FitData, Weights};
 use crate::metric::{Loss, Metric};
-use crate::objective::{Objective, Scratch, chunks};
+use crate::objective::{Objective, Scratch};
+use crate::slab::Nodes;
 use crate::solver::{Solution, SolverOptions, Stop, minimise};
 
 /// Rounds of weights at most; the fixed point is reached in three or four.
@@ -19,6 +20,9 @@ const PLAN_ROUNDS: usize = 5;
 /// Error of a quadrature rule that is allowed, in standard deviations and as a fraction of the DSF.
 const RULE_SIGMA: f64 = 0.02;
 const RULE_RELATIVE: f64 = 1e-4;
+
+/// Readings whose rules are tried at once.
+const PLANNED: usize = 64;
 
 /// What is minimised.
 #[derive(Clone, Copy, Debug)]
@@ -91,7 +95,7 @@ pub(crate) fn refine(
         return settle(chart, data, goal, start, bounds, options);
     }
     let mut levels = plan(chart, data, start);
-    data.rebuild(Some(&levels));
+    data.rebuild(Some(&mut levels));
     let mut found = settle(chart, data, goal, start, bounds, options);
     for _ in 1..PLAN_ROUNDS {
         if found.stop == Stop::Cancelled || found.stop == Stop::NotFinite {
@@ -107,7 +111,7 @@ pub(crate) fn refine(
         if !finer {
             break;
         }
-        data.rebuild(Some(&levels));
+        data.rebuild(Some(&mut levels));
         let evaluations = found.evaluations;
         found = settle(chart, data, goal, &found.x, bounds, options);
         found.evaluations += evaluations;
@@ -118,8 +122,8 @@ pub(crate) fn refine(
 /// Folds the beam profile into the predictions of the model at `x` where it changes them.
 pub(crate) fn fold_in_beam(chart: &Chart<'_>, data: &mut FitData, x: &[f64]) {
     if data.profiles.iter().any(Option::is_some) {
-        let levels = plan(chart, data, x);
-        data.rebuild(Some(&levels));
+        let mut levels = plan(chart, data, x);
+        data.rebuild(Some(&mut levels));
     }
 }
 
@@ -127,27 +131,31 @@ pub(crate) fn fold_in_beam(chart: &Chart<'_>, data: &mut FitData, x: &[f64]) {
 fn plan(chart: &Chart<'_>, data: &FitData, x: &[f64]) -> Vec<Vec<u8>> {
     data.slabs
         .par_iter()
-        .enumerate()
-        .map_init(Scratch::default, |scratch, (s, slab)| {
+        .map_init(Scratch::default, |scratch, slab| {
             let mut levels = vec![0_u8; slab.y.len()];
             let Some(profile) = &data.profiles[slab.channel] else {
                 return levels;
             };
             let local = chart.local(x, slab.channel, slab.component);
-            let mut predict = |index: &[u32], level: Option<usize>| -> Vec<f64> {
-                let block = slab.block(s, index.to_vec(), level.map(|l| profile.rule(l)));
+            let mut value = Vec::with_capacity(slab.y.len());
+            for start in (0..slab.y.len()).step_by(PLANNED) {
+                let view = slab.pairs.view(start..(start + PLANNED).min(slab.y.len()));
+                scratch.evaluate(chart, &local, (view, &[1.0]), false);
+                value.extend_from_slice(&scratch.predicted[..view.len()]);
+            }
+            let mut with_rule = |index: &[u32], level: usize| -> Vec<f64> {
                 let mut out = Vec::with_capacity(index.len());
-                for range in chunks(&block, 0..block.len()) {
-                    let m = range.len();
-                    scratch.evaluate(chart, &local, &block, range, false);
-                    out.extend_from_slice(&scratch.predicted[..m]);
+                for some in index.chunks(PLANNED) {
+                    let nodes = Nodes::new(slab, some.iter().map(|j| *j as usize), profile.rule(level));
+                    let view = nodes.pairs.view(0..nodes.pairs.len());
+                    scratch.evaluate(chart, &local, (view, &nodes.weights), false);
+                    out.extend_from_slice(&scratch.predicted[..some.len()]);
                 }
                 out
             };
             let mut active: Vec<u32> = (0..slab.y.len() as u32).collect();
-            let mut value = predict(&active, None);
             for level in 0..profile.levels() {
-                let finer = predict(&active, Some(level));
+                let finer = with_rule(&active, level);
                 let (mut rest, mut rest_value) = (Vec::new(), Vec::new());
                 for ((&j, &coarse), &fine) in active.iter().zip(&value).zip(&finer) {
                     let sigma = (slab.law.variance(fine) + slab.extra[j as usize]).sqrt();

@@ -27,14 +27,15 @@ pub(crate) fn residuals(data: &FitData, predicted: &[Vec<f64>]) -> Vec<SliceResi
             let mut squares = Vec::with_capacity(slab.y.len());
             for &b in &blocks {
                 let block = &data.blocks[b];
-                for (j, &p) in predicted[b].iter().enumerate() {
-                    let (r, w) = (p - block.y[j], block.omega[j]);
+                for (j, &p) in block.rows.clone().zip(&predicted[b]) {
+                    let (y, w) = (slab.y[j], slab.omega[j]);
+                    let r = p - y;
                     l1 += r.abs() * w;
                     bias += r * w;
-                    total += block.y[j].abs() * w;
-                    top = top.max(block.y[j]);
+                    total += y.abs() * w;
+                    top = top.max(y);
                     predicted_top = predicted_top.max(p);
-                    squares.push(r * r * block.inverse_variance[j]);
+                    squares.push(r * r * slab.inverse_variance[j]);
                 }
             }
             let scale = if total > 0.0 { 1.0 / total } else { f64::NAN };
@@ -62,8 +63,8 @@ pub(crate) fn by_slice(measurement: &Measurement, data: &FitData, predicted: &[V
         .collect();
     for (block, values) in data.blocks.iter().zip(predicted) {
         let slab = &data.slabs[block.slab];
-        for (&j, &value) in block.index.iter().zip(values) {
-            out[slab.slice][slab.position[j as usize] as usize] = value;
+        for (&at, &value) in slab.position[block.rows.clone()].iter().zip(values) {
+            out[slab.slice][at as usize] = value;
         }
     }
     out
@@ -86,9 +87,9 @@ pub(crate) fn aicc(fit: &Fit, data: &FitData) -> f64 {
     let mut level = (2.0 * fit.cost / readings).max(1e-300).ln();
     if fit.metric == Metric::Chi2 {
         let sum: f64 = data
-            .blocks
+            .slabs
             .iter()
-            .flat_map(|b| &b.inverse_variance)
+            .flat_map(|s| &s.inverse_variance)
             .map(|v| v.ln())
             .sum();
         level -= sum / readings;

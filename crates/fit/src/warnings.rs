@@ -229,8 +229,9 @@ fn energy(fit: &Fit, data: &FitData, warn: &mut impl FnMut(&'static str, String)
     for angles in &data.incidences {
         for channel in 0..fit.channels.len() {
             let albedo: f64 = [Component::Reflection, Component::Transmission]
+                .into_iter()
+                .filter(|c| fit.model.scatters_into(*c))
                 .map(|c| directional_albedo(model.as_ref(), angles.direction(), c, channel))
-                .iter()
                 .sum();
             if albedo > 1.0 && worst.is_none_or(|w| albedo > w.0) {
                 worst = Some((albedo, angles.theta.to_degrees(), channel));

@@ -78,13 +78,13 @@ impl<F: Formula, const N: usize> Family for Of<F, N> {
 /// Pairs that are worked on together; a loop of this fixed length over local arrays vectorises.
 const LANES: usize = 16;
 
-type Block = [[f64; LANES]; 6];
+type Block = [[f64; LANES]; 3];
 
 /// Rows `start..start + LANES` of the columns; past the end the last row is repeated.
 #[inline(always)]
-fn block(columns: [&[f64]; 6], start: usize) -> Block {
+fn block(columns: [&[f64]; 3], start: usize) -> Block {
     let n = columns[0].len();
-    let mut block = [[0.0; LANES]; 6];
+    let mut block = [[0.0; LANES]; 3];
     for (to, from) in block.iter_mut().zip(columns) {
         if start + LANES <= n {
             to.copy_from_slice(&from[start..start + LANES]);
@@ -98,17 +98,11 @@ fn block(columns: [&[f64]; 6], start: usize) -> Block {
 }
 
 #[inline(always)]
-fn pair(b: &Block, l: usize) -> Pair<Fast<f64>> {
+fn pair(wi: [f64; 3], b: &Block, l: usize) -> Pair<Fast<f64>> {
     Pair {
-        wi: [Fast(b[0][l]), Fast(b[1][l]), Fast(b[2][l])],
-        ws: [Fast(b[3][l]), Fast(b[4][l]), Fast(b[5][l])],
+        wi: [Fast(wi[0]), Fast(wi[1]), Fast(wi[2])],
+        ws: [Fast(b[0][l]), Fast(b[1][l]), Fast(b[2][l])],
     }
-}
-
-/// Whether light of pair `j` came from the back.
-#[inline(always)]
-fn from_back(origin: &[f64], j: usize) -> bool {
-    origin.get(j).is_some_and(|z| *z < 0.0)
 }
 
 /// `|cos theta_s|` where the formula holds, else 0.
@@ -124,18 +118,18 @@ fn cosine<F: Formula>(ci: f64, cs: f64) -> f64 {
 fn value_loop<F: Formula, const N: usize>(p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64]) {
     let parameters: [Fast<f64>; N] = std::array::from_fn(|k| Fast(p[k]));
     let shape = F::shape::<Fast<f64>>(&parameters);
-    let behind = F::behind(&shape);
+    // The side the light comes from is the front of the formula.
+    let shape = if F::SIDED && pairs.back {
+        F::behind(&shape)
+    } else {
+        shape
+    };
     for (k, out) in dsf.chunks_mut(LANES).enumerate() {
-        let b = block(pairs.columns, k * LANES);
+        let b = block(pairs.ws, k * LANES);
         let mut value = [0.0; LANES];
         for l in 0..LANES {
-            let c = cosine::<F>(b[2][l], b[5][l]);
-            let seen = if F::SIDED && from_back(pairs.origin, k * LANES + l) {
-                &behind
-            } else {
-                &shape
-            };
-            let f = F::bsdf::<Fast<f64>>(seen, &pair(&b, l)).0 * c;
+            let c = cosine::<F>(pairs.wi[2], b[2][l]);
+            let f = F::bsdf::<Fast<f64>>(&shape, &pair(pairs.wi, &b, l)).0 * c;
             value[l] = if c > 0.0 { f } else { 0.0 };
         }
         out.copy_from_slice(&value[..out.len()]);
@@ -152,19 +146,19 @@ fn gradient_loop<F: Formula, const N: usize>(
     let n = dsf.len();
     let parameters: [Dual<Fast<f64>, N>; N] = std::array::from_fn(|k| Dual::variable(p[k], k));
     let shape = F::shape::<Dual<Fast<f64>, N>>(&parameters);
-    let behind = F::behind(&shape);
+    // The side the light comes from is the front of the formula.
+    let shape = if F::SIDED && pairs.back {
+        F::behind(&shape)
+    } else {
+        shape
+    };
     for (k, out) in dsf.chunks_mut(LANES).enumerate() {
-        let b = block(pairs.columns, k * LANES);
+        let b = block(pairs.ws, k * LANES);
         let mut value = [0.0; LANES];
         let mut slope = [[0.0; LANES]; N];
         for l in 0..LANES {
-            let c = cosine::<F>(b[2][l], b[5][l]);
-            let seen = if F::SIDED && from_back(pairs.origin, k * LANES + l) {
-                &behind
-            } else {
-                &shape
-            };
-            let f = F::bsdf::<Dual<Fast<f64>, N>>(seen, &pair(&b, l)).times(Fast(c));
+            let c = cosine::<F>(pairs.wi[2], b[2][l]);
+            let f = F::bsdf::<Dual<Fast<f64>, N>>(&shape, &pair(pairs.wi, &b, l)).times(Fast(c));
             value[l] = if c > 0.0 { f.value.0 } else { 0.0 };
             for (row, d) in slope.iter_mut().zip(f.slope) {
                 row[l] = if c > 0.0 { d.0 } else { 0.0 };
