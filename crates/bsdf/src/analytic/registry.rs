@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn gradients_agree_with_central_differences() {
         let pairs = pairs();
-        let (n, all) = (pairs.len(), 0..pairs.len());
+        let n: usize = pairs.iter().map(Pairs::len).sum();
         for f in families() {
             let infos = f.info().parameters;
             let p: Vec<f64> = infos
@@ -148,17 +148,28 @@ mod tests {
                 .enumerate()
                 .map(|(k, i)| i.default + 0.02 * (k + 1) as f64 * (i.high - i.default))
                 .collect();
-            let mut dsf = vec![0.0; n];
-            let mut gradient = vec![0.0; n * p.len()];
-            f.dsf_and_gradient(&p, pairs.view(all.clone()), &mut dsf, &mut gradient);
-            for (k, row) in gradient.chunks_exact(n).enumerate() {
+            let mut dsf = Vec::with_capacity(n);
+            let mut rows = vec![Vec::with_capacity(n); p.len()];
+            for pairs in &pairs {
+                let mut some = vec![0.0; pairs.len()];
+                let mut gradient = vec![0.0; pairs.len() * p.len()];
+                f.dsf_and_gradient(&p, pairs.view(0..pairs.len()), &mut some, &mut gradient);
+                dsf.extend(some);
+                for (row, more) in rows.iter_mut().zip(gradient.chunks_exact(pairs.len())) {
+                    row.extend_from_slice(more);
+                }
+            }
+            for (k, row) in rows.iter().enumerate() {
                 let h = 1e-6 * p[k].abs().max(1e-2);
                 let at = |step: f64| {
                     let mut q = p.clone();
                     q[k] += step;
-                    let mut values = vec![0.0; n];
-                    f.dsf(&q, pairs.view(all.clone()), &mut values);
-                    values
+                    let values = |pairs: &Pairs| {
+                        let mut some = vec![0.0; pairs.len()];
+                        f.dsf(&q, pairs.view(0..pairs.len()), &mut some);
+                        some
+                    };
+                    pairs.iter().flat_map(values).collect::<Vec<f64>>()
                 };
                 let (up, down) = (at(h), at(-h));
                 let scale = row.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
