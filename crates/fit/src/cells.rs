@@ -42,7 +42,11 @@ impl Cells {
     pub(crate) fn cell(&self, ws: Direction) -> u8 {
         let v = ws.vec();
         let near = v.dot(self.ideal);
-        let ring = self.edges.iter().filter(|edge| near <= **edge).count();
+        let ring = self
+            .edges
+            .iter()
+            .map(|edge| usize::from(near <= *edge))
+            .sum::<usize>();
         (ring * SECTORS + sector(v.dot(self.along), v.dot(self.across))) as u8
     }
 }

@@ -1,5 +1,6 @@
 //! The readings of a fit as columns.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use gonio_bsdf::Channel;
@@ -84,16 +85,23 @@ impl FitData {
             let mut slabs = Vec::new();
             for component in COMPONENTS {
                 let index = std::mem::take(&mut sorted.kept[slot(component)]);
-                if let (Some(pairs), false) = (&sorted.pairs, index.is_empty()) {
-                    let origin = Origin {
-                        slice: k,
-                        channel,
-                        incidence,
-                        component,
-                        resolution: resolution.as_deref(),
-                    };
-                    slabs.push(Slab::new(&origin, slice, pairs, index));
+                if index.is_empty() {
+                    continue;
                 }
+                // Readings of one component alone take the directions as they are.
+                let pairs = if index.len() == slice.len() {
+                    sorted.pairs.take().map(Cow::Owned)
+                } else {
+                    sorted.pairs.as_ref().map(Cow::Borrowed)
+                };
+                let origin = Origin {
+                    slice: k,
+                    channel,
+                    incidence,
+                    component,
+                    resolution: resolution.as_deref(),
+                };
+                slabs.extend(pairs.map(|pairs| Slab::new(&origin, slice, pairs, index)));
             }
             (slabs, sorted.left_out, sorted.others)
         };

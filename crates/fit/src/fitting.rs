@@ -212,7 +212,7 @@ impl<'a> Setting<'a> {
             Some(x) => vec![x.to_vec()],
             None => {
                 let points = starts(&self.chart, &self.low, &self.high, &self.held, &self.defaults);
-                let few = data.thinned(self.start_readings / 3);
+                let few = part.thinned(self.start_readings / 3);
                 search(&self.chart, (&few, &part), points, self.bounds(), &rough)
                     .into_iter()
                     .map(|s| s.x)

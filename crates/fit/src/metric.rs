@@ -68,15 +68,7 @@ pub(crate) fn weigh(
 ) -> f64 {
     match (metric, loss) {
         (Metric::Chi2, Loss::SoftL1) => soft_l1(columns, out.curvature, out.pull, by_solid_angle),
-        (Metric::Chi2, Loss::Linear) => {
-            let omega = |j: usize| if by_solid_angle { columns.omega[j] } else { 1.0 };
-            transformed(
-                columns,
-                out,
-                |d| (d, 1.0),
-                |j| columns.inverse_variance[j] * omega(j),
-            )
-        }
+        (Metric::Chi2, Loss::Linear) => linear(columns, out.curvature, out.pull, by_solid_angle),
         (Metric::CubeRoot, _) => transformed(
             columns,
             out,
@@ -125,6 +117,33 @@ fn transformed(
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
+fn linear(columns: Columns<'_>, curvature: &mut [f64], pull: &mut [f64], by_solid_angle: bool) -> f64 {
+    let n = columns.y.len();
+    let (d, y, v, omega) = (
+        &columns.predicted[..n],
+        &columns.y[..n],
+        &columns.inverse_variance[..n],
+        &columns.omega[..n],
+    );
+    let (curvature, pull) = (&mut curvature[..n], &mut pull[..n]);
+    for j in 0..n {
+        let w = if by_solid_angle { omega[j] * v[j] } else { v[j] };
+        curvature[j] = w;
+        pull[j] = w * (d[j] - y[j]);
+    }
+    let mut cost = [0.0; LANES];
+    let mut start = 0;
+    while start < n {
+        let end = (start + LANES).min(n);
+        for j in start..end {
+            cost[j - start] += 0.5 * pull[j] * (d[j] - y[j]);
+        }
+        start = end;
+    }
+    cost.iter().sum()
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
 fn soft_l1(columns: Columns<'_>, curvature: &mut [f64], pull: &mut [f64], by_solid_angle: bool) -> f64 {
     let n = columns.y.len();
     let (d, y, v, omega) = (
@@ -143,9 +162,10 @@ fn soft_l1(columns: Columns<'_>, curvature: &mut [f64], pull: &mut [f64], by_sol
             let r = d[j] - y[j];
             let z = r * r * v[j];
             let root = (1.0 + z).sqrt();
-            let slope = w * v[j] / root;
+            let inverse = 1.0 / root;
+            let slope = w * v[j] * inverse;
             pull[j] = slope * r;
-            curvature[j] = slope / (root * root);
+            curvature[j] = slope * inverse * inverse;
             cost[j - start] += w * z / (1.0 + root);
         }
         start = end;

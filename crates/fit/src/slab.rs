@@ -1,5 +1,6 @@
 //! The readings of one slice and component, and what the models take of them.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use gonio_bsdf::analytic::{Pairs, PairsView};
@@ -128,7 +129,7 @@ pub(crate) struct Origin<'a> {
 
 impl Slab {
     /// Readings `index` of `slice`, whose directions are `pairs`.
-    pub(crate) fn new(origin: &Origin<'_>, slice: &Slice, pairs: &Pairs, index: Vec<u32>) -> Self {
+    pub(crate) fn new(origin: &Origin<'_>, slice: &Slice, pairs: Cow<'_, Pairs>, index: Vec<u32>) -> Self {
         let y = take(&slice.dsf, &index);
         let u_common = if slice.u_common.is_finite() {
             slice.u_common
@@ -166,7 +167,7 @@ impl Slab {
             })
             .collect();
         let pairs = if index.len() == slice.len() {
-            pairs.clone()
+            pairs.into_owned()
         } else {
             pairs.subset(&index)
         };
