@@ -1,5 +1,7 @@
 //! The sum of models.
 
+use std::sync::OnceLock;
+
 use gonio_geom::{Component, Direction};
 
 use crate::albedo::directional_albedo;
@@ -10,9 +12,10 @@ use crate::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
 /// Adds models that answer for the same channels, as plastic adds a diffuse part and a gloss lobe.
 pub struct Sum {
     parts: Vec<Box<dyn Bsdf>>,
-    /// Cumulative probability of drawing from each part.
-    cumulative: Vec<f64>,
-    properties: Properties,
+    /// Cumulative probability of drawing from each part; from the albedos when the first sample is drawn, unless given.
+    cumulative: OnceLock<Vec<f64>>,
+    /// Whether the sum conserves energy; from the albedos when first asked, unless known.
+    energy_conserving: OnceLock<bool>,
 }
 
 /// Pairs that the parts are evaluated at together.
@@ -25,27 +28,19 @@ impl Sum {
     /// The sum of `parts`: at least one, all with the same channels in the same order. A sum of parts that conserve
     /// energy can still exceed 1; it is called energy conserving when its albedo, by quadrature at eight incidences
     /// up to 89 degrees (of four azimuths if it is anisotropic) on both sides, does not.
+    ///
+    /// The quadratures behind [`Bsdf::properties`] and behind the first sample or density wait until those are asked
+    /// for: a sum that is only evaluated is made at once.
+    ///
+    /// # Errors
+    /// [`BsdfError::Domain`] for no part, parts with different channels, and ideal parts that take different directions.
     pub fn new(parts: Vec<Box<dyn Bsdf>>) -> Result<Self, BsdfError> {
         compatible(&parts)?;
-        // Parts are drawn by their albedo at 30 degrees in all channels, none less often than one time in fifty.
-        let wi = Direction::from_degrees(30.0, 0.0);
-        let albedo: Vec<f64> = parts
-            .iter()
-            .map(|p| {
-                (0..p.channels().len())
-                    .flat_map(|channel| {
-                        [Component::Reflection, Component::Transmission]
-                            .map(|c| directional_albedo(p.as_ref(), wi, c, channel))
-                    })
-                    .sum()
-            })
-            .collect();
-        let energy = parts.iter().all(|p| p.properties().energy_conserving);
-        let mut model = Sum::drawn(parts, &albedo, energy);
-        if model.parts.len() > 1 && model.properties.energy_conserving {
-            model.properties.energy_conserving = model.albedo_stays_below_one();
-        }
-        Ok(model)
+        Ok(Sum {
+            parts,
+            cumulative: OnceLock::new(),
+            energy_conserving: OnceLock::new(),
+        })
     }
 
     /// The sum of `parts`, each drawn in proportion to the weight beside it (at least one time in fifty), for a caller
@@ -56,35 +51,32 @@ impl Sum {
     pub fn weighted(parts: Vec<(Box<dyn Bsdf>, f64)>, energy_conserving: bool) -> Result<Self, BsdfError> {
         let (parts, weights): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
         compatible(&parts)?;
-        Ok(Sum::drawn(parts, &weights, energy_conserving))
+        Ok(Sum {
+            parts,
+            cumulative: cumulative(&weights).into(),
+            energy_conserving: energy_conserving.into(),
+        })
     }
 
-    fn drawn(parts: Vec<Box<dyn Bsdf>>, weights: &[f64], energy_conserving: bool) -> Self {
-        let total: f64 = weights.iter().sum();
-        let share: Vec<f64> = if total > 0.0 {
-            weights.iter().map(|w| (w / total).max(0.02)).collect()
-        } else {
-            vec![1.0; parts.len()]
-        };
-        let norm: f64 = share.iter().sum();
-        let mut sum = 0.0;
-        let cumulative = share
-            .iter()
-            .map(|s| {
-                sum += s / norm;
-                sum
-            })
-            .collect();
-        let all = |of: fn(&Properties) -> bool| parts.iter().all(|p| of(&p.properties()));
-        Sum {
-            properties: Properties {
-                reciprocal: all(|p| p.reciprocal),
-                energy_conserving,
-                isotropic: all(|p| p.isotropic),
-            },
-            cumulative,
-            parts,
-        }
+    /// Parts are drawn by their albedo at 30 degrees in all channels, none less often than one time in fifty.
+    fn cumulative(&self) -> &[f64] {
+        self.cumulative.get_or_init(|| {
+            let wi = Direction::from_degrees(30.0, 0.0);
+            let albedo = |part: &dyn Bsdf| -> f64 {
+                (0..part.channels().len())
+                    .flat_map(|channel| {
+                        [Component::Reflection, Component::Transmission]
+                            .map(|c| directional_albedo(part, wi, c, channel))
+                    })
+                    .sum()
+            };
+            let weights: Vec<f64> = self.parts.iter().map(|p| albedo(p.as_ref())).collect();
+            cumulative(&weights)
+        })
+    }
+
+    fn all(&self, of: fn(&Properties) -> bool) -> bool {
+        self.parts.iter().all(|p| of(&p.properties()))
     }
 
     /// The parts in order.
@@ -93,7 +85,7 @@ impl Sum {
     }
 
     fn albedo_stays_below_one(&self) -> bool {
-        let azimuths: &[f64] = if self.properties.isotropic {
+        let azimuths: &[f64] = if self.all(|p| p.isotropic) {
             &[0.0]
         } else {
             &[0.0, 45.0, 90.0, 135.0]
@@ -137,8 +129,28 @@ impl Sum {
     }
 
     fn probability(&self, k: usize) -> f64 {
-        self.cumulative[k] - if k > 0 { self.cumulative[k - 1] } else { 0.0 }
+        let cumulative = self.cumulative();
+        cumulative[k] - if k > 0 { cumulative[k - 1] } else { 0.0 }
     }
+}
+
+/// Cumulative probabilities in proportion to `weights`, each at least one in fifty.
+fn cumulative(weights: &[f64]) -> Vec<f64> {
+    let total: f64 = weights.iter().sum();
+    let share: Vec<f64> = if total > 0.0 {
+        weights.iter().map(|w| (w / total).max(0.02)).collect()
+    } else {
+        vec![1.0; weights.len()]
+    };
+    let norm: f64 = share.iter().sum();
+    let mut sum = 0.0;
+    share
+        .iter()
+        .map(|s| {
+            sum += s / norm;
+            sum
+        })
+        .collect()
 }
 
 /// At least one part, all for the same channels, ideal parts of one component in one direction.
@@ -205,7 +217,14 @@ impl Bsdf for Sum {
     }
 
     fn properties(&self) -> Properties {
-        self.properties
+        let energy_conserving = *self.energy_conserving.get_or_init(|| {
+            self.all(|p| p.energy_conserving) && (self.parts.len() == 1 || self.albedo_stays_below_one())
+        });
+        Properties {
+            reciprocal: self.all(|p| p.reciprocal),
+            energy_conserving,
+            isotropic: self.all(|p| p.isotropic),
+        }
     }
 
     fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
@@ -245,12 +264,12 @@ impl Bsdf for Sum {
 
     /// Draws one part, then a direction from it; the density is that of the mixture, so the weight holds for the sum.
     fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
-        let k = self
-            .cumulative
+        let cumulative = self.cumulative();
+        let k = cumulative
             .partition_point(|&c| c <= u[2])
             .min(self.parts.len() - 1);
         let p = self.probability(k);
-        let rest = ((u[2] - (self.cumulative[k] - p)) / p).clamp(0.0, 1.0 - f64::EPSILON);
+        let rest = ((u[2] - (cumulative[k] - p)) / p).clamp(0.0, 1.0 - f64::EPSILON);
         let drawn = self.parts[k].sample(w, [u[0], u[1], rest])?;
         if drawn.lobe == Lobe::Delta {
             return Some(Sample {
