@@ -38,14 +38,16 @@ pub struct Beam {
 impl Beam {
     /// Relative combined standard uncertainty of the power.
     ///
-    /// The scatter of few repeated scans is widened by Student's factor, so that twice the result still covers 95 %
-    /// [JCGM100, G.3].
+    /// Repeated scans scatter by noise and raster phase, which are known. Where they scatter by more, the beam itself
+    /// varies: then their scatter counts, widened by Student's factor, so that twice the result still covers 95 %
+    /// [JCGM100, G.3]. The scatter of two scans says too little to trust a small one: the larger figure counts.
     pub fn u_power(&self) -> f64 {
-        // Repeated scans scatter by noise and raster phase too: the larger of the two accounts, not both.
-        let repeated = self
-            .u_repeatability
-            .map_or(0.0, |u| u * student_factor(self.scans));
-        self.u_quadrature.hypot(self.u_noise).max(repeated)
+        let known = self.u_quadrature.hypot(self.u_noise);
+        match self.u_repeatability {
+            Some(u) if self.scans == 2 => known.max(u * student_factor(2)),
+            Some(u) if u > known => u * student_factor(self.scans),
+            _ => known,
+        }
     }
 }
 
