@@ -14,8 +14,11 @@ const WIDTHS: [f64; 5] = [0.008, 0.025, 0.07, 0.18, 0.45];
 const DECADES: usize = 4;
 /// Azimuths of an anisotropic lobe's axis that are tried, radians.
 const AXES: [f64; 2] = [0.0, std::f64::consts::FRAC_PI_4];
+/// Indices that are tried, as shares of their range: 0.5, 1.5 and 3.5 of eta, 1, 3 and 7 of k. From an index far off, the first
+/// steps end at k = 0, where the derivative by k vanishes.
+const INDICES: [f64; 3] = [0.05, 0.15, 0.35];
 /// Most points that are tried.
-const MOST: usize = 128;
+const MOST: usize = 512;
 /// How many of them are followed after their amplitudes are known, and how many of those to the end.
 const FOLLOWED: usize = 6;
 const FINISHED: usize = 3;
@@ -37,6 +40,10 @@ pub(crate) fn starts(
         let values: Vec<f64> = match parameter.role {
             Role::Width => WIDTHS.iter().map(|w| variable.of_value(*w)).collect(),
             Role::Angle => AXES.to_vec(),
+            Role::Index => INDICES
+                .iter()
+                .map(|s| variable.of_value(parameter.low + s * (parameter.high - parameter.low)))
+                .collect(),
             Role::Exponent if variable.log => (0..DECADES)
                 .map(|k| low[v] + (high[v] - low[v]) * (k as f64 + 0.5) / DECADES as f64)
                 .collect(),
