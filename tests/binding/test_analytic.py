@@ -13,6 +13,16 @@ def test_every_model_evaluates_at_its_defaults_and_keeps_to_its_component():
         assert np.any(transmitted > 0) == (model.scatters in ("transmission", "both")), model.name
 
 
+def test_compensation_gives_back_the_light_that_facets_lose():
+    part = {"f0": 1.0, "alpha": 0.7}
+    once, all_of_it = (
+        gonio.directional_albedo(gonio.analytic(part | {"model": name}), theta_i=50)
+        for name in ("ggx", "ggx-compensated")
+    )
+    assert once < 0.9
+    assert abs(all_of_it - 1) < 0.001
+
+
 def test_channels_come_from_the_parameters_that_name_them():
     bsdf = gonio.analytic(
         {"model": "lambert", "rho": {"red": 0.5, "green": 0.4, "blue": 0.1}},

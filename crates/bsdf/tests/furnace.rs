@@ -1,14 +1,14 @@
-//! Compensated microfacet models: a white furnace, energy, reciprocity, samples.
+//! Compensated microfacet models: a white furnace, a series of reflections, channels. The laws are in tests/property and
+//! tests/statistical.
 
 #![allow(clippy::unwrap_used)] // helpers outside #[test] fail a test by panicking, as the tests themselves do
 
+use gonio_bsdf::analytic::Parametric;
 use gonio_bsdf::analytic::microfacet::{CompensatedFamily, compensated};
 use gonio_bsdf::{Bsdf, Channel, directional_albedo};
 use gonio_geom::{Component, Direction};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 
-fn model(family: &CompensatedFamily, parameters: &[f64]) -> Box<dyn Bsdf> {
+fn model(family: &'static CompensatedFamily, parameters: &[f64]) -> Box<dyn Bsdf> {
     family.model(&[(Channel::Photopic, parameters.to_vec())]).unwrap()
 }
 
@@ -23,18 +23,18 @@ fn parameters(family: &CompensatedFamily, alpha: f64) -> [Vec<f64>; 2] {
 }
 
 #[test]
-fn a_white_furnace_stays_white_within_one_percent() {
+fn a_white_furnace_stays_white_within_a_thousandth_and_makes_no_light() {
     for family in compensated().iter().filter(|f| f.single.position("f0").is_some()) {
-        for alpha in [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0] {
+        for alpha in [0.005, 0.05, 0.2, 0.5, 1.0] {
             let [white, _] = parameters(family, alpha);
             let model = model(family, &white);
-            for degrees in [0.0, 30.0, 60.0, 75.0, 85.0, 88.0, 89.5, 120.0] {
+            for degrees in [0.0, 45.0, 75.0, 88.0, 89.5, 120.0] {
                 let wi = Direction::from_degrees(degrees, 10.0);
                 let albedo = directional_albedo(model.as_ref(), wi, Component::Reflection, 0);
                 assert!(
-                    (albedo - 1.0).abs() < 0.01,
+                    albedo > 0.999 && albedo < 1.0 + 1e-6,
                     "{}, alpha {alpha}, {degrees} degrees: {albedo}",
-                    family.name
+                    family.info().name
                 );
             }
         }
@@ -50,7 +50,11 @@ fn compensation_never_makes_light_and_never_takes_any() {
                 for degrees in [5.0, 50.0, 80.0] {
                     let wi = Direction::from_degrees(degrees, 10.0);
                     let albedo = directional_albedo(with.as_ref(), wi, Component::Reflection, 0);
-                    assert!(albedo < 1.0 + 2e-3, "{} {p:?} {degrees}: {albedo}", family.name);
+                    assert!(
+                        albedo < 1.0 + 1e-6,
+                        "{} {p:?} {degrees}: {albedo}",
+                        family.info().name
+                    );
                     let single = gonio_bsdf::analytic::family(family.single.name)
                         .unwrap()
                         .model(&[(Channel::Photopic, p.clone())])
@@ -61,7 +65,7 @@ fn compensation_never_makes_light_and_never_takes_any() {
                     assert!(
                         albedo - once > gain,
                         "{} {p:?} {degrees}: {albedo} {once}",
-                        family.name
+                        family.info().name
                     );
                 }
             }
@@ -70,60 +74,8 @@ fn compensation_never_makes_light_and_never_takes_any() {
 }
 
 #[test]
-fn compensated_models_are_reciprocal_and_their_samples_follow_density_and_albedo() {
-    let mut rng = Pcg64Mcg::seed_from_u64(51);
-    let n = 200_000;
-    for family in compensated() {
-        for alpha in [0.1, 0.8] {
-            let [_, p] = parameters(family, alpha);
-            let model = model(family, &p);
-            for degrees in [10.0, 70.0, 140.0] {
-                let wi = Direction::from_degrees(degrees, 200.0);
-                let albedo = directional_albedo(model.as_ref(), wi, Component::Reflection, 0);
-                // The mean weight is the albedo, the mean of 1 / density the solid angle that samples reach; six
-                // standard deviations in 48 comparisons.
-                let (mut sum, mut squares) = (0.0, 0.0);
-                let (mut above, mut expected) = (0.0, 0.0);
-                for _ in 0..n {
-                    if let Some(s) = model.sample(wi, rng.random()) {
-                        sum += s.weight;
-                        squares += s.weight * s.weight;
-                        above += f64::from(u8::from(s.direction.cos_theta().abs() > 0.7));
-                        let back = model.eval_first(s.direction, wi);
-                        let there = model.eval_first(wi, s.direction);
-                        assert!((there - back).abs() <= 1e-12 * there, "{there} {back}");
-                    }
-                }
-                let mean = sum / f64::from(n);
-                let sigma = ((squares / f64::from(n) - mean * mean).max(0.0) / f64::from(n)).sqrt();
-                assert!(
-                    (mean - albedo).abs() < 6.0 * sigma + 1e-6,
-                    "{} {p:?} {degrees}: {mean} {albedo}",
-                    family.name
-                );
-                expected += gonio_bsdf::albedo::hemispherical_integral(wi, wi.side(), |s| {
-                    if s.cos_theta().abs() > 0.7 {
-                        model.pdf(wi, s)
-                    } else {
-                        0.0
-                    }
-                })
-                .value;
-                let share = above / f64::from(n);
-                let sigma = (expected * (1.0 - expected).max(0.0) / f64::from(n)).sqrt();
-                assert!(
-                    (share - expected).abs() < 6.0 * sigma + 1e-4,
-                    "{} {p:?} {degrees}: {share} {expected}",
-                    family.name
-                );
-            }
-        }
-    }
-}
-
-#[test]
 fn channels_of_one_width_and_of_two_are_compensated_each() {
-    let family = &compensated()[0];
+    let family = compensated()[0];
     let parts = [
         (Channel::Red, vec![0.9, 0.4]),
         (Channel::Green, vec![0.2, 0.4]),
@@ -141,4 +93,43 @@ fn channels_of_one_width_and_of_two_are_compensated_each() {
         assert_eq!(f[k], one.eval_first(wi, ws));
     }
     assert!(family.model(&[(Channel::Red, vec![0.5, 2.0])]).is_err());
+}
+
+#[test]
+fn facets_that_absorb_send_out_a_geometric_series_of_reflections() {
+    // With a reflectance F that hardly depends on the angle, F E_mean (1 + F (1 - E_mean) + ...) of all light leaves;
+    // E_mean is that share for F = 1 and light scattered once.
+    let alpha = 1.0;
+    let mean = |model: &dyn Bsdf| -> f64 {
+        // Simpson in the squared cosine: 2 mu dmu.
+        let n = 24;
+        let sum: f64 = (0..=n)
+            .map(|k| {
+                let cosine = (f64::from(k) / f64::from(n)).sqrt().max(1e-4);
+                let weight = [1.0, 4.0, 2.0][if k == 0 || k == n { 0 } else { 2 - (k % 2) as usize }];
+                let wi = Direction::from_degrees(cosine.acos().to_degrees(), 10.0);
+                weight * directional_albedo(model, wi, Component::Reflection, 0)
+            })
+            .sum();
+        sum / f64::from(3 * n)
+    };
+    for family in compensated().iter().filter(|f| f.single.position("k").is_some()) {
+        let name = family.info().name;
+        let once = |p: &[f64]| {
+            gonio_bsdf::analytic::family(family.single.name)
+                .unwrap()
+                .model(&[(Channel::Photopic, p.to_vec())])
+                .unwrap()
+        };
+        // Silver-like: .95 at normal incidence, .93 to 1 elsewhere.
+        let absorbing = [0.13, 4.0, alpha];
+        let escaping = mean(once(&[0.01, 20.0, alpha]).as_ref()) / 0.9999;
+        let f = mean(once(&absorbing).as_ref()) / escaping;
+        let series = f * escaping / (1.0 - f * (1.0 - escaping));
+        let all = mean(model(family, &absorbing).as_ref());
+        assert!(
+            (all / series - 1.0).abs() < 0.005,
+            "{name}: {all} {series}, F {f}"
+        );
+    }
 }

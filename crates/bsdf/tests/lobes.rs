@@ -137,3 +137,26 @@ fn lobes_shifted_in_direction_cosines_have_rho_at_normal_incidence_and_less_else
     }
     assert_eq!(seen, 4);
 }
+
+#[test]
+fn a_transmission_lobe_is_alpha_wide_and_a_reflection_lobe_of_the_same_alpha_twice_that() {
+    let alpha: f64 = 0.01;
+    let fall = |name: &str, off: f64, back: bool| {
+        let m = model(name, &[0.5, alpha]);
+        let at = |angle: f64| {
+            let theta = angle.to_degrees();
+            let ws = Direction::from_degrees(if back { 180.0 - theta } else { theta }, 70.0);
+            m.eval_first(Direction::NORMAL, ws)
+        };
+        at(off) / at(0.0)
+    };
+    let one = (-1.0f64).exp();
+    for name in ["transmission-lobe", "bounded-transmission-lobe"] {
+        let f = fall(name, alpha, true);
+        assert!((f / one - 1.0).abs() < 1e-3, "{name}: {f}");
+    }
+    for name in ["ward", "ward-duer", "ward-gmd", "beckmann"] {
+        let f = fall(name, 2.0 * alpha, false);
+        assert!((f / one - 1.0).abs() < 2e-3, "{name}: {f}");
+    }
+}

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use gonio_bsdf as core;
 use gonio_bsdf::Channel;
-use gonio_bsdf::analytic::{Law, ModelInfo, ParameterInfo, Role, Scatters, Sum, families, family};
+use gonio_bsdf::analytic::{
+    Law, ModelInfo, ParameterInfo, Parametric, Role, Scatters, Sum, model_named, models,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -47,9 +49,9 @@ impl Value {
     }
 }
 
-/// One part as given: its family and the values of its parameters.
+/// One part as given: its model and the values of its parameters.
 struct Part {
-    family: &'static dyn core::analytic::Family,
+    model: &'static dyn Parametric,
     values: Vec<Value>,
 }
 
@@ -60,8 +62,8 @@ impl Part {
             return Err(domain("model", "nothing", "the name of a model"));
         };
         rest.del_item("model")?;
-        let family = family(&name.extract::<String>()?).or_raise()?;
-        let info = family.info();
+        let model = model_named(&name.extract::<String>()?).or_raise()?;
+        let info = model.info();
         let mut values = Vec::with_capacity(info.parameters.len());
         for p in info.parameters {
             let Some(given) = rest.get_item(p.name)? else {
@@ -75,7 +77,7 @@ impl Part {
             values.push(Value::read(p, &given)?);
         }
         match rest.keys().iter().next() {
-            None => Ok(Part { family, values }),
+            None => Ok(Part { model, values }),
             Some(key) => Err(domain(
                 &format!("part {:?}", info.name),
                 format!("parameter {key}"),
@@ -92,7 +94,7 @@ impl Part {
     }
 
     fn build(&self, channels: &[Channel]) -> PyResult<Box<dyn core::Bsdf>> {
-        let infos = self.family.info().parameters;
+        let infos = self.model.info().parameters;
         let parameters = channels
             .iter()
             .map(|&c| {
@@ -100,7 +102,7 @@ impl Part {
                 Ok((c, p?))
             })
             .collect::<PyResult<Vec<_>>>()?;
-        self.family.model(&parameters).or_raise()
+        self.model.model(&parameters).or_raise()
     }
 }
 
@@ -153,7 +155,7 @@ fn analytic(parts: Vec<Bound<'_, PyDict>>) -> PyResult<Bsdf> {
 #[pyfunction]
 fn model_families(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     let list = PyList::empty(py);
-    for f in families() {
+    for f in models() {
         let info = f.info();
         let dict = PyDict::new(py);
         dict.set_item("name", info.name)?;

@@ -8,8 +8,8 @@ use multiversion::multiversion;
 use super::{Analytic, Dual, Fast, Formula, ModelInfo, Pair, PairsView, Real};
 use crate::{Bsdf, BsdfError, Channel};
 
-/// A model without its parameters: what the fit, the command line and the law tests work with.
-pub trait Family: Send + Sync {
+/// A model without its parameters: what the command line and the law tests work with.
+pub trait Parametric: Send + Sync {
     /// The model as data.
     fn info(&self) -> &'static ModelInfo;
 
@@ -19,16 +19,21 @@ pub trait Family: Send + Sync {
     /// As [`Analytic::new`].
     fn model(&self, parameters: &[(Channel, Vec<f64>)]) -> Result<Box<dyn Bsdf>, BsdfError>;
 
+    /// Refractive index behind the sample over that in front of it, for parameters `p`: transmission is reciprocal in
+    /// `f / n_s^2`. Without an interface it is 1.
+    fn index_ratio(&self, _p: &[f64]) -> f64 {
+        1.0
+    }
+}
+
+/// A model that has derivatives by its parameters: what the fit works with.
+pub trait Family: Parametric {
     /// The DSF `f |cos theta_s|` of each pair and its derivatives by each parameter.
     ///
     /// `p` has one value a parameter, `dsf` one entry a pair, `gradient` one row a parameter of as many entries as
     /// pairs (parameter-major). Lengths that do not match panic. Zero where the model does not scatter. Parameters
     /// are not checked against their range.
     fn dsf_and_gradient(&self, p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64], gradient: &mut [f64]);
-
-    /// Refractive index behind the sample over that in front of it, for parameters `p`: transmission is reciprocal in
-    /// `f / n_s^2`.
-    fn index_ratio(&self, p: &[f64]) -> f64;
 
     /// The DSF of each pair, as [`Family::dsf_and_gradient`].
     fn dsf(&self, p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64]);
@@ -48,7 +53,7 @@ impl<F: Formula, const N: usize> Of<F, N> {
     };
 }
 
-impl<F: Formula, const N: usize> Family for Of<F, N> {
+impl<F: Formula, const N: usize> Parametric for Of<F, N> {
     fn info(&self) -> &'static ModelInfo {
         F::INFO
     }
@@ -57,15 +62,17 @@ impl<F: Formula, const N: usize> Family for Of<F, N> {
         Ok(Box::new(Analytic::<F>::new(parameters)?))
     }
 
+    fn index_ratio(&self, p: &[f64]) -> f64 {
+        F::index_ratio(p)
+    }
+}
+
+impl<F: Formula, const N: usize> Family for Of<F, N> {
     fn dsf_and_gradient(&self, p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64], gradient: &mut [f64]) {
         assert_eq!(p.len(), N, "parameters of {}", F::INFO.name);
         assert_eq!(dsf.len(), pairs.len(), "one value a pair");
         assert_eq!(gradient.len(), N * pairs.len(), "one row a parameter");
         gradient_loop::<F, N>(p, pairs, dsf, gradient);
-    }
-
-    fn index_ratio(&self, p: &[f64]) -> f64 {
-        F::index_ratio(p)
     }
 
     fn dsf(&self, p: &[f64], pairs: PairsView<'_>, dsf: &mut [f64]) {

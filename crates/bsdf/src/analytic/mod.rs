@@ -1,7 +1,7 @@
 //! Analytic scattering models, one a file. Each holds for both sides of the sample alike.
 //!
-//! A model is a [`Formula`], written once for every number type ([`Real`]); [`Analytic`] makes a `Bsdf` of it,
-//! [`Family`] what the fit and the law tests work with, and [`families`] lists them all.
+//! A model is a [`Formula`], written once for every number type ([`Real`]); [`Analytic`] makes a `Bsdf` of it, [`Family`]
+//! what the fit works with. [`families`] lists those, [`models`] also what has no derivatives.
 
 pub mod abg;
 pub mod ashikhmin_shirley;
@@ -29,7 +29,7 @@ pub mod ward_gmd;
 
 pub use abg::{Abg, AbgTransmission};
 pub use ashikhmin_shirley::{AshikhminShirley, AshikhminShirleyIsotropic};
-pub use family::{Family, Of};
+pub use family::{Family, Of, Parametric};
 pub use fast::Fast;
 pub use formula::Formula;
 pub use harvey_shack::{HarveyShack, HarveyShackTransmission};
@@ -39,7 +39,7 @@ pub use model::Analytic;
 pub use oren_nayar::OrenNayar;
 pub use pair::{Pair, Pairs, PairsView};
 pub use real::{Dual, Real};
-pub use registry::{families, family};
+pub use registry::{families, family, model_named, models};
 pub use spectrum::Spectrum;
 pub use sum::Sum;
 pub use transmission_lobe::{BoundedTransmissionLobe, TransmissionLobe};

@@ -5,15 +5,16 @@ use super::microfacet::catalogue::{
     BeckmannSchlick, BeckmannSchlickAnisotropic, GgxConductor, GgxConductorAnisotropic, GgxDielectric,
     GgxDielectricAnisotropic, GgxSchlick, GgxSchlickAnisotropic,
 };
+use super::microfacet::compensated;
 use super::{
     Abg, AbgTransmission, AnisotropicTransmissionLobe, AshikhminShirley, AshikhminShirleyIsotropic,
     BoundedTransmissionLobe, Family, HarveyShack, HarveyShackTransmission, LambertReflection,
-    LambertTransmission, Of, OrenNayar, TransmissionLobe, Ward, WardDuer, WardDuerIsotropic, WardGmd,
-    WardGmdIsotropic, WardIsotropic,
+    LambertTransmission, Of, OrenNayar, Parametric, TransmissionLobe, Ward, WardDuer, WardDuerIsotropic,
+    WardGmd, WardGmdIsotropic, WardIsotropic,
 };
 use crate::BsdfError;
 
-/// Every analytic model. The fit, the command line, the docs and every law test run over this list.
+/// Every analytic model that has derivatives, which the fit runs over.
 pub fn families() -> &'static [&'static dyn Family] {
     const FAMILIES: &[&dyn Family] = &[
         &Of::<LambertReflection, 1>::NEW,
@@ -50,24 +51,37 @@ pub fn families() -> &'static [&'static dyn Family] {
     FAMILIES
 }
 
-/// The model called `name`.
+/// Every analytic model: [`families`] and those that have no derivatives. The command line, the docs and every law test
+/// run over this list.
+pub fn models() -> impl Iterator<Item = &'static dyn Parametric> {
+    let fitted = families().iter().map(|f| *f as &dyn Parametric);
+    fitted.chain(compensated().iter().map(|c| c as &dyn Parametric))
+}
+
+/// The model called `name` among [`families`].
 ///
 /// # Errors
 /// [`BsdfError::Domain`] that lists the names there are.
 pub fn family(name: &str) -> Result<&'static dyn Family, BsdfError> {
-    families()
-        .iter()
-        .copied()
-        .find(|f| f.info().name == name)
-        .ok_or_else(|| BsdfError::Domain {
-            field: "model",
-            found: format!("{name:?}"),
-            allowed: families()
-                .iter()
-                .map(|f| f.info().name)
-                .collect::<Vec<_>>()
-                .join(", "),
-        })
+    let found = families().iter().copied().find(|f| f.info().name == name);
+    found.ok_or_else(|| unknown(name, families().iter().map(|f| f.info().name)))
+}
+
+/// The model called `name` among [`models`].
+///
+/// # Errors
+/// [`BsdfError::Domain`] that lists the names there are.
+pub fn model_named(name: &str) -> Result<&'static dyn Parametric, BsdfError> {
+    let found = models().find(|m| m.info().name == name);
+    found.ok_or_else(|| unknown(name, models().map(|m| m.info().name)))
+}
+
+fn unknown(name: &str, known: impl Iterator<Item = &'static str>) -> BsdfError {
+    BsdfError::Domain {
+        field: "model",
+        found: format!("{name:?}"),
+        allowed: known.collect::<Vec<_>>().join(", "),
+    }
 }
 
 #[cfg(test)]
@@ -99,7 +113,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_defaults_are_allowed() {
         let mut names = HashSet::new();
-        for f in families() {
+        for f in models() {
             let info = f.info();
             assert!(names.insert(info.name), "{} twice", info.name);
             assert!(
@@ -109,7 +123,8 @@ mod tests {
             );
             assert!(!info.source.is_empty());
         }
-        assert!(family("no such model").is_err());
+        assert!(family("no such model").is_err() && model_named("no such model").is_err());
+        assert!(family("ggx-compensated").is_err() && model_named("ggx-compensated").is_ok());
     }
 
     #[test]

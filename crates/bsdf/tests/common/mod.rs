@@ -4,7 +4,7 @@
 
 use gonio_bsdf::Bsdf;
 use gonio_bsdf::Channel;
-use gonio_bsdf::analytic::{Family, ModelInfo, ParameterInfo, Role};
+use gonio_bsdf::analytic::{ModelInfo, ParameterInfo, Parametric, Role, models};
 use gonio_geom::Direction;
 
 /// Lobe widths, from a polished surface to a nearly matt one.
@@ -18,6 +18,16 @@ pub(crate) const BACK: [f64; 2] = [160.0, 115.0];
 
 /// Azimuth of incidence, degrees: not 0, so that a forgotten azimuth shows.
 pub(crate) const AZIMUTH: f64 = 200.0;
+
+/// Whether `GONIO_MODELS` names `name` or nothing is named.
+pub(crate) fn wanted(name: &str) -> bool {
+    std::env::var("GONIO_MODELS").map_or(true, |names| names.split(',').any(|n| n == name))
+}
+
+/// The models that are tested: all, or those that `GONIO_MODELS` names.
+pub(crate) fn chosen() -> Vec<&'static dyn Parametric> {
+    models().filter(|m| wanted(m.info().name)).collect()
+}
 
 /// One choice of parameters of a model.
 pub(crate) struct Setting {
@@ -64,7 +74,7 @@ pub(crate) fn settings(info: &ModelInfo) -> Vec<Setting> {
 }
 
 /// The model of `family` with one photopic channel.
-pub(crate) fn build(family: &dyn Family, setting: &Setting) -> Box<dyn Bsdf> {
+pub(crate) fn build(family: &dyn Parametric, setting: &Setting) -> Box<dyn Bsdf> {
     family
         .model(&[(Channel::Photopic, setting.values.clone())])
         .unwrap_or_else(|e| panic!("{} with {}: {e}", family.info().name, setting.label))

@@ -2,13 +2,13 @@
 
 use std::sync::LazyLock;
 
-use gonio_bsdf::analytic::{Family, Sum, families, family};
+use gonio_bsdf::analytic::{Parametric, Sum, family};
 use gonio_bsdf::{Bsdf, Channel, RadianceMaterial};
 use gonio_geom::Direction;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::common::{AZIMUTH, build, settings};
+use crate::common::{AZIMUTH, build, chosen, settings};
 
 /// A model with parameters, and what it is called in a message.
 pub(crate) struct Case {
@@ -18,25 +18,12 @@ pub(crate) struct Case {
     pub(crate) width: f64,
 }
 
-/// The families that are tested.
-pub(crate) fn chosen() -> Vec<&'static dyn Family> {
-    let only = std::env::var("GONIO_MODELS").ok();
-    families()
-        .iter()
-        .copied()
-        .filter(|f| {
-            only.as_ref()
-                .is_none_or(|names| names.split(',').any(|n| n == f.info().name))
-        })
-        .collect()
-}
-
 /// Every registered model, sum and Radiance material.
 pub(crate) fn everything() -> impl Iterator<Item = &'static Case> {
     registered().iter().chain(sums()).chain(materials())
 }
 
-/// Every family with every setting.
+/// Every analytic model with every setting.
 pub(crate) fn registered() -> &'static [Case] {
     static CASES: LazyLock<Vec<Case>> = LazyLock::new(make_registered);
     &CASES
@@ -57,7 +44,7 @@ fn make_registered() -> Vec<Case> {
 }
 
 /// The least width among `values`; 1 where the model has none.
-pub(crate) fn narrowest(f: &dyn Family, values: &[f64]) -> f64 {
+pub(crate) fn narrowest(f: &dyn Parametric, values: &[f64]) -> f64 {
     let widths = f.info().parameters.iter().zip(values);
     widths
         .filter(|(p, _)| p.role == gonio_bsdf::analytic::Role::Width)

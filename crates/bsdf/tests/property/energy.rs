@@ -1,13 +1,13 @@
 //! Directional-hemispherical reflectance plus transmittance is at most 1.
 
 use gonio_bsdf::albedo::hemispherical_integral;
-use gonio_bsdf::analytic::{Family, Law, Role, Sum};
+use gonio_bsdf::analytic::{Law, Parametric, Role, Sum};
 use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{Component, Direction};
 use rayon::prelude::*;
 
-use crate::cases::{chosen, incidences, materials, model, sums};
-use crate::common::{Setting, settings};
+use crate::cases::{incidences, materials, model, sums};
+use crate::common::{Setting, chosen, settings};
 
 /// Polar angles of incidence, degrees: normal, oblique, grazing, and from the back.
 const THETAS: [f64; 7] = [0.0, 30.0, 60.0, 75.0, 85.0, 89.0, 120.0];
@@ -36,7 +36,7 @@ pub(crate) fn total(model: &dyn Bsdf, wi: Direction, channel: usize) -> (f64, f6
 
 /// `setting` with every amplitude at its largest or its smallest value, in every combination but all smallest. Models
 /// are affine in each amplitude, so that the largest albedo is at one of these corners.
-fn corners(family: &dyn Family, setting: &Setting) -> Vec<Vec<f64>> {
+fn corners(family: &dyn Parametric, setting: &Setting) -> Vec<Vec<f64>> {
     let infos = family.info().parameters;
     let amplitudes: Vec<usize> = (0..infos.len())
         .filter(|&k| infos[k].role == Role::Amplitude)

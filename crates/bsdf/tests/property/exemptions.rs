@@ -6,7 +6,7 @@ use gonio_bsdf::Channel;
 use gonio_bsdf::analytic::Law;
 use gonio_geom::Direction;
 
-use crate::cases::chosen;
+use crate::common::chosen;
 use crate::energy::total;
 
 #[test]

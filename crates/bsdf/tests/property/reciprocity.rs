@@ -3,8 +3,8 @@
 use gonio_bsdf::analytic::Law;
 use gonio_geom::{Component, Direction};
 
-use crate::cases::{chosen, everything, materials, narrowest, pairs};
-use crate::common::{build, settings};
+use crate::cases::{everything, materials, narrowest, pairs};
+use crate::common::{build, chosen, settings};
 
 /// Relative rounding that two orders of the same arithmetic may differ by.
 const ROUNDING: f64 = 1e-10;

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, LazyLock};
 
-use gonio_bsdf::analytic::{Sum, families, family};
+use gonio_bsdf::analytic::{Sum, family, models};
 use gonio_bsdf::{Bsdf, Channel, RadianceMaterial};
 use rayon::prelude::*;
 
 use crate::chi_square::sidak;
-use crate::common::{BACK, FRONT, build, incidence, settings};
+use crate::common::{BACK, FRONT, build, incidence, settings, wanted};
 use crate::trial::{Trial, run};
 
 /// Rate at which all comparisons of a kind together raise a false alarm, were the seeds drawn anew.
@@ -89,11 +89,11 @@ fn radiance() -> Subject {
 
 /// The registered models, a sum of four of them and Radiance materials.
 fn subjects() -> Vec<Subject> {
-    let registered = families().iter().map(|family| Subject {
-        name: family.info().name,
-        settings: settings(family.info())
+    let registered = models().map(|model| Subject {
+        name: model.info().name,
+        settings: settings(model.info())
             .iter()
-            .map(|s| (s.label.clone(), Arc::from(build(*family, s))))
+            .map(|s| (s.label.clone(), Arc::from(build(model, s))))
             .collect(),
     });
     let part = |name: &str, values: &[f64]| {
@@ -110,13 +110,9 @@ fn subjects() -> Vec<Subject> {
         name: "sum",
         settings: vec![("four parts".into(), Arc::new(sum.unwrap()))],
     };
-    let only = std::env::var("GONIO_MODELS").ok();
     registered
         .chain([sum, radiance()])
-        .filter(|s| {
-            only.as_ref()
-                .is_none_or(|names| names.split(',').any(|n| n == s.name))
-        })
+        .filter(|s| wanted(s.name))
         .collect()
 }
 

@@ -82,6 +82,9 @@ fn normal<W: Widths>(widths: &W::Shape<f64>, (c, s): (f64, f64), x: f64, y: f64)
 }
 
 impl Distribution for Beckmann {
+    /// exp(-6.5^2) = 4e-19.
+    const REACH: f64 = 6.5;
+
     #[inline(always)]
     fn slopes<R: Real>(q: R) -> R {
         (-q).exp()
@@ -102,27 +105,5 @@ impl Distribution for Beckmann {
         let ((sin, cos), azimuth) = stretched_frame::<W>(widths, w);
         let (x, y) = (visible_slope(cos, sin, u[0]), gaussian_slope(u[1]));
         normal::<W>(widths, azimuth, x, y)
-    }
-
-    /// Gauss-Legendre along the slope towards `w`, the trapezoid rule across it, which converges exponentially for a
-    /// Gaussian.
-    fn visible_mean<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], g: impl Fn([f64; 3]) -> f64) -> f64 {
-        const REACH: f64 = 5.0;
-        const ACROSS: i32 = 16;
-        let ((sin, cos), azimuth) = stretched_frame::<W>(widths, w);
-        let high = if sin * REACH > cos { cos / sin } else { REACH };
-        let step = REACH / f64::from(ACROSS);
-        let (mut sum, mut area) = (0.0, 0.0);
-        for (t, weight) in super::quadrature::unit_interval() {
-            let x = -REACH + t * (high + REACH);
-            let row = weight * (cos - x * sin) * (-x * x).exp();
-            for k in -ACROSS..=ACROSS {
-                let y = step * f64::from(k);
-                let share = row * (-y * y).exp();
-                sum += share * g(unit(normal::<W>(widths, azimuth, x, y)));
-                area += share;
-            }
-        }
-        sum / area
     }
 }

@@ -3,13 +3,14 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use gonio_geom::{DVec3, Direction};
+use gonio_geom::Direction;
 
+use super::escape::Escape;
 use super::fresnel::Fresnel;
 use super::quadrature::unit_interval;
-use super::{Catalogued, Distribution, Isotropic, Reflection, Widths};
+use super::{Catalogued, Distribution, Isotropic, Reflection};
 use crate::analytic::lambert::{cosine_density, cosine_direction};
-use crate::analytic::{Analytic, Formula, ModelInfo};
+use crate::analytic::{Analytic, Formula, ModelInfo, Parametric};
 use crate::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
 
 /// Facets of one width that reflect, with a second lobe for light that other facets scatter on [KullaConty2017]:
@@ -39,68 +40,6 @@ struct Multiple {
     fresnel: f64,
 }
 
-/// The albedo of lossless facets by the cosine of incidence.
-struct Escape {
-    alpha: f64,
-    /// At cosines `(k / LAST)^2`, closer where it varies more.
-    albedo: Vec<f64>,
-    mean: f64,
-}
-
-const LAST: usize = 96;
-
-impl Escape {
-    fn new<D: Distribution>(alpha: f64) -> Self {
-        let widths = Isotropic::shape::<f64>(&[alpha]);
-        let albedo = (0..=LAST)
-            .map(|k| {
-                let cosine = (k as f64 / LAST as f64).powi(2).max(1e-6);
-                let w = [(1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine];
-                let masking: f64 = D::masking::<Isotropic, f64>(&widths, w);
-                D::visible_mean::<Isotropic>(&widths, w, |h| {
-                    let s = -DVec3::from_array(w).reflect(DVec3::from_array(h));
-                    if s.z <= 0.0 {
-                        return 0.0;
-                    }
-                    // G_2 / G_1(w).
-                    let visibility: f64 = D::visibility::<Isotropic, f64>(&widths, w, s.to_array());
-                    4.0 * s.z * visibility / masking
-                })
-                .min(1.0)
-            })
-            .collect();
-        let mut table = Escape {
-            alpha,
-            albedo,
-            mean: 0.0,
-        };
-        table.mean = table.cosine_mean();
-        table
-    }
-
-    fn at(&self, cosine: f64) -> f64 {
-        let x = cosine.clamp(0.0, 1.0).sqrt() * LAST as f64;
-        let k = (x as usize).min(LAST - 1);
-        let t = x - k as f64;
-        self.albedo[k] * (1.0 - t) + self.albedo[k + 1] * t
-    }
-
-    /// `2 integral E mu dmu`, exactly that of the interpolant, so that no light is lost to the table.
-    fn cosine_mean(&self) -> f64 {
-        // E is linear in x between nodes and mu = x^2: 4 integral E x^3 dx.
-        let h = 1.0 / LAST as f64;
-        let mut sum = 0.0;
-        for k in 0..LAST {
-            for (t, weight) in unit_interval() {
-                let x = (k as f64 + t) * h;
-                let e = self.albedo[k] * (1.0 - t) + self.albedo[k + 1] * t;
-                sum += weight * h * 4.0 * e * x * x * x;
-            }
-        }
-        sum
-    }
-}
-
 impl<D, F> Compensated<D, F>
 where
     D: Distribution,
@@ -118,13 +57,13 @@ where
             let alpha = p[F::N];
             let table = multiple
                 .iter()
-                .find(|m| m.table.alpha == alpha)
+                .find(|m| m.table.alpha() == alpha)
                 .map_or_else(|| Arc::new(Escape::new::<D>(alpha)), |m| m.table.clone());
             let shape = F::shape::<f64>(p);
             let fresnel: f64 = unit_interval()
                 .map(|(mu, weight)| 2.0 * weight * mu * F::reflectance::<f64>(&shape, mu))
                 .sum();
-            let factor = fresnel * fresnel * table.mean / (1.0 - fresnel * (1.0 - table.mean));
+            let factor = fresnel * fresnel * table.mean() / (1.0 - fresnel * (1.0 - table.mean()));
             multiple.push(Multiple {
                 table,
                 factor,
@@ -140,7 +79,7 @@ where
             return 0.0;
         }
         let lost = |d: Direction| 1.0 - m.table.at(d.cos_theta().abs());
-        let all = 1.0 - m.table.mean;
+        let all = 1.0 - m.table.mean();
         if all <= 0.0 {
             return 0.0;
         }
@@ -223,48 +162,72 @@ where
 /// Makes a model of its parameters.
 type Build = fn(&[(Channel, Vec<f64>)]) -> Result<Box<dyn Bsdf>, BsdfError>;
 
-/// A compensated model without its parameters. It is not in [`crate::analytic::families`]: its table depends on the
-/// width, so that it has no derivatives for a fit.
+/// A compensated model without its parameters. Its table depends on the width, so that it has no derivatives for a fit.
 #[derive(Clone, Copy, Debug)]
 pub struct CompensatedFamily {
-    /// Name in files and on the command line.
-    pub name: &'static str,
+    info: ModelInfo,
     /// The model without compensation, which has the same parameters.
     pub single: &'static ModelInfo,
     build: Build,
 }
 
 impl CompensatedFamily {
-    const fn new<D, F>(name: &'static str) -> Self
+    const fn new<D, F>(name: &'static str, title: &'static str, source: &'static str) -> Self
     where
         D: Distribution,
         F: Fresnel,
         Reflection<D, Isotropic, F>: Catalogued,
     {
+        let single = <Reflection<D, Isotropic, F> as Formula>::INFO;
         CompensatedFamily {
-            name,
-            single: <Reflection<D, Isotropic, F> as Formula>::INFO,
+            info: ModelInfo {
+                name,
+                title,
+                source,
+                scatters: single.scatters,
+                parameters: single.parameters,
+                breaks: single.breaks,
+            },
+            single,
             build: |p| Ok(Box::new(Compensated::<D, F>::new(p)?)),
         }
     }
+}
 
-    /// The model with `parameters`, one list a channel.
-    ///
-    /// # Errors
-    /// As [`Analytic::new`].
-    pub fn model(&self, parameters: &[(Channel, Vec<f64>)]) -> Result<Box<dyn Bsdf>, BsdfError> {
+impl Parametric for &'static CompensatedFamily {
+    fn info(&self) -> &'static ModelInfo {
+        &self.info
+    }
+
+    fn model(&self, parameters: &[(Channel, Vec<f64>)]) -> Result<Box<dyn Bsdf>, BsdfError> {
         (self.build)(parameters)
     }
 }
 
 /// Every compensated model.
-pub fn compensated() -> &'static [CompensatedFamily] {
+pub fn compensated() -> &'static [&'static CompensatedFamily] {
     use super::{Beckmann, Conductor, Ggx, Schlick};
-    const ALL: &[CompensatedFamily] = &[
-        CompensatedFamily::new::<Ggx, Schlick>("ggx-compensated"),
-        CompensatedFamily::new::<Beckmann, Schlick>("beckmann-compensated"),
-        CompensatedFamily::new::<Ggx, Conductor>("ggx-conductor-compensated"),
-        CompensatedFamily::new::<Beckmann, Conductor>("beckmann-conductor-compensated"),
+    const ALL: &[&CompensatedFamily] = &[
+        &CompensatedFamily::new::<Ggx, Schlick>(
+            "ggx-compensated",
+            "GGX microfacets, compensated for multiple scattering",
+            "KullaConty2017; Walter2007, eq. 20, 33 and 34; Schlick1994",
+        ),
+        &CompensatedFamily::new::<Beckmann, Schlick>(
+            "beckmann-compensated",
+            "Beckmann microfacets, compensated for multiple scattering",
+            "KullaConty2017; Walter2007, eq. 20, 25 and 26; Schlick1994",
+        ),
+        &CompensatedFamily::new::<Ggx, Conductor>(
+            "ggx-conductor-compensated",
+            "GGX microfacets of a conductor, compensated for multiple scattering",
+            "KullaConty2017; Walter2007, eq. 20, 33 and 34; BornWolf1999",
+        ),
+        &CompensatedFamily::new::<Beckmann, Conductor>(
+            "beckmann-conductor-compensated",
+            "Beckmann microfacets of a conductor, compensated for multiple scattering",
+            "KullaConty2017; Walter2007, eq. 20, 25 and 26; BornWolf1999",
+        ),
     ];
     ALL
 }

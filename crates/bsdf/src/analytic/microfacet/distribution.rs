@@ -7,6 +7,9 @@ use super::Widths;
 /// A distribution of facet normals whose density depends on the slope in units of its widths, with the masking of
 /// [Smith1967] that belongs to it.
 pub trait Distribution: Copy + Send + Sync + std::fmt::Debug + 'static {
+    /// Slope in units of the widths beyond which there are no facets in double precision.
+    const REACH: f64 = f64::INFINITY;
+
     /// `pi alpha_x alpha_y` times the density of slopes at squared slope `q` in units of the widths; 1 at `q = 0`.
     fn slopes<R: Real>(q: R) -> R;
 
@@ -34,9 +37,6 @@ pub trait Distribution: Copy + Send + Sync + std::fmt::Debug + 'static {
     ) -> [R; 3] {
         w
     }
-
-    /// The mean of `g(h)`, `h` of unit length, over the normals visible from `w`, by quadrature.
-    fn visible_mean<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], g: impl Fn([f64; 3]) -> f64) -> f64;
 
     /// The density `D` of normals per unit solid angle for `h` of any length, `h.z != 0` [Walter2007, eq. 25 and 33
     /// for one width].

@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use crate::analytic::Real;
 
-use super::distribution::unit;
 use super::{Distribution, Widths};
 
 /// `D = 1 / (pi alpha_x alpha_y ((h_x/alpha_x)^2 + (h_y/alpha_y)^2 + h_z^2)^2)`, `Lambda = (sqrt(1 + 1/a^2) - 1) / 2`
@@ -69,21 +68,5 @@ impl Distribution for Ggx {
         let sine = ((R::constant(1.0) - u[1]) * rise * (height + 1.0 - v[2])).sqrt();
         let (s, c) = (u[0] * (2.0 * PI)).sin_cos();
         W::unstretch(widths, [sine * c + v[0], sine * s + v[1], height])
-    }
-
-    /// Gauss-Legendre times the trapezoid rule over the cap that [`Ggx::visible_normal_lanes`] fills evenly.
-    fn visible_mean<W: Widths>(widths: &W::Shape<f64>, w: [f64; 3], g: impl Fn([f64; 3]) -> f64) -> f64 {
-        const TURNS: usize = 48;
-        super::quadrature::unit_interval()
-            .map(|(u, weight)| {
-                let sum: f64 = (0..TURNS)
-                    .map(|k| {
-                        let turn = (k as f64 + 0.5) / TURNS as f64;
-                        g(unit(Ggx::visible_normal::<W>(widths, w, [turn, u])))
-                    })
-                    .sum();
-                weight * sum / TURNS as f64
-            })
-            .sum()
     }
 }

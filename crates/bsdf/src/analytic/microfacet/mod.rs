@@ -7,6 +7,7 @@ pub mod beckmann;
 pub mod catalogue;
 pub mod compensation;
 pub mod distribution;
+mod escape;
 pub mod fresnel;
 pub mod ggx;
 pub mod interface;
