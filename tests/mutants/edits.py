@@ -15,12 +15,20 @@ class Mutant:
     new: str
     models: tuple[str, ...]
     samples: int = 200_000
+    first: int = 0
+    """The first stage of tests (driver.STAGES) that can see it."""
 
 
 SLOPES = "analytic/slopes.rs"
 MODEL = "analytic/model.rs"
 TRANSMISSION = "analytic/transmission_lobe.rs"
 ASHIKHMIN = "analytic/ashikhmin_shirley.rs"
+GGX = "analytic/microfacet/ggx.rs"
+BECKMANN = "analytic/microfacet/beckmann.rs"
+FRESNEL = "analytic/microfacet/fresnel.rs"
+REFLECTION = "analytic/microfacet/reflection.rs"
+INTERFACE = "analytic/microfacet/interface.rs"
+COMPENSATION = "analytic/microfacet/compensation.rs"
 
 MUTANTS = (
     Mutant(
@@ -100,6 +108,7 @@ MUTANTS = (
         "(-shape.f0 + 1.0).times(fifth(-cosine + 1.0))",
         "(shape.f0 - 1.0).times(fifth(-cosine + 1.0))",
         ("ashikhmin-shirley",),
+        first=1,
     ),
     Mutant(
         "the larger of two cosines replaced by the one of the incidence",
@@ -107,6 +116,7 @@ MUTANTS = (
         "cosine * ci.max(cs) * 4.0",
         "cosine * ci * 4.0",
         ("ashikhmin-shirley",),
+        first=1,
     ),
     Mutant(
         "the density over the projected disk taken for that over solid angle",
@@ -121,5 +131,135 @@ MUTANTS = (
         "let pdf = Bsdf::pdf(self, w, drawn.direction);",
         "let pdf = drawn.pdf;",
         ("sum",),
+    ),
+    Mutant(
+        "the transmission lobe 2 alpha wide, as a reflection lobe is, in value, density and samples alike",
+        TRANSMISSION,
+        """    let inverse_square = p[1].squared().recip();
+    Shape {
+        alpha: p[1],""",
+        """    let inverse_square = (p[1] * 2.0).squared().recip();
+    Shape {
+        alpha: p[1] * 2.0,""",
+        ("transmission-lobe", "bounded-transmission-lobe"),
+        first=2,
+    ),
+    Mutant(
+        "the masking of GGX facets dropped",
+        GGX,
+        "sum.recip() * 0.5",
+        "(sum * 0.0 + 1.0).times(ci * cs * R::Plain::constant(4.0)).recip()",
+        ("ggx",),
+        first=1,
+    ),
+    Mutant(
+        "the masking of Beckmann facets dropped",
+        BECKMANN,
+        "((lambdas + 1.0).times(wi[2]",
+        "((lambdas * 0.0 + 1.0).times(wi[2]",
+        ("beckmann",),
+        first=1,
+    ),
+    Mutant(
+        "the masking of refracted light dropped",
+        INTERFACE,
+        """* D::masking::<W, R>(widths, pair.wi)
+        * D::masking::<W, R>(widths, pair.ws);""",
+        "* R::lift((pair.wi[2] * pair.ws[2]).abs().recip());",
+        ("ggx-dielectric",),
+    ),
+    Mutant(
+        "Fresnel's reflectance at the angle to the surface's normal",
+        REFLECTION,
+        "F::reflectance::<R>(&shape.fresnel, cosine)",
+        "F::reflectance::<R>(&shape.fresnel, pair.wi[2])",
+        ("ggx", "ggx-conductor"),
+        first=1,
+    ),
+    Mutant(
+        "Fresnel's reflectance at the mean of both angles to the surface's normal, which is reciprocal",
+        REFLECTION,
+        "F::reflectance::<R>(&shape.fresnel, cosine)",
+        "F::reflectance::<R>(&shape.fresnel, (pair.wi[2] + pair.ws[2]) * R::Plain::constant(0.5))",
+        ("ggx", "ggx-conductor"),
+        first=2,
+    ),
+    Mutant(
+        "the sign of the rise of Schlick's reflectance wrong",
+        FRESNEL,
+        "f0.times(R::Plain::constant(1.0) - rise).plus(rise)",
+        "f0.times(R::Plain::constant(1.0) - rise).plus(-rise)",
+        ("ggx", "beckmann"),
+        first=2,
+    ),
+    Mutant(
+        "the square of a complex index with the wrong sign",
+        FRESNEL,
+        "real: eta2 - k2,",
+        "real: eta2 + k2,",
+        ("ggx-conductor",),
+        first=2,
+    ),
+    Mutant(
+        "the squared index missing from the Jacobian of refraction",
+        INTERFACE,
+        "* (inverse2 * eta).squared()",
+        "* inverse2.squared()",
+        ("ggx-dielectric",),
+    ),
+    Mutant(
+        "the two cosines to the facet missing from refraction",
+        INTERFACE,
+        """    let f = facing_i
+        * facing_s
+        *""",
+        """    let f = length2
+        *""",
+        ("beckmann-dielectric",),
+    ),
+    Mutant(
+        "light from behind refracted by the index of light from the front",
+        INTERFACE,
+        "eta: shape.eta.recip(),",
+        "eta: shape.eta,",
+        ("ggx-dielectric",),
+        first=1,
+    ),
+    Mutant(
+        "the theta of the given and of the sampled direction swapped in the density of visible normals",
+        REFLECTION,
+        "mirrored_density::<D, W>(&shape.widths, w, s)",
+        "mirrored_density::<D, W>(&shape.widths, s, w)",
+        ("ggx", "beckmann"),
+    ),
+    Mutant(
+        "visible normals of a surface that is not stretched",
+        GGX,
+        "let v = W::stretch(widths, w);",
+        "let v = w;",
+        ("ggx-anisotropic",),
+    ),
+    Mutant(
+        "the broad lobe of compensated facets missing from their density",
+        COMPENSATION,
+        "(1.0 - share) * self.single.pdf(w, sampled) + share * cosine_density(upward)",
+        "share.mul_add(0.0, self.single.pdf(w, sampled)) + 0.0 * cosine_density(upward)",
+        ("ggx-compensated",),
+    ),
+    Mutant(
+        "compensation by the loss at one of the two directions",
+        COMPENSATION,
+        "m.factor * lost(wi) * lost(ws) / (PI * all)",
+        "m.factor * lost(wi) * all / (PI * all)",
+        ("beckmann-compensated",),
+        first=1,
+    ),
+    Mutant(
+        "one reflection too few in the light given back",
+        COMPENSATION,
+        "let factor = fresnel * fresnel * table.mean()",
+        "let factor = fresnel * table.mean()",
+        ("ggx-compensated", "ggx-conductor-compensated"),
+        first=2,
     ),
 )
