@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -43,21 +45,37 @@ class Recovery:
     """How often the 95 % interval of each parameter held the truth."""
 
     model: str
+    sets: int = 0
     held: dict[str, int] = field(default_factory=dict)
     tried: dict[str, int] = field(default_factory=dict)
     z: dict[str, list[float]] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
-    other_kinds: dict[str, int] = field(default_factory=dict)
 
     @property
     def share(self) -> float:
         """Share of all parameters of all sets whose interval holds."""
         return sum(self.held.values()) / max(1, sum(self.tried.values()))
 
-    def count(self, name: str, *, held: bool, z: float) -> None:
-        self.tried[name] = self.tried.get(name, 0) + 1
-        self.held[name] = self.held.get(name, 0) + held
-        self.z.setdefault(name, []).append(z)
+    def add(self, outcome: Outcome) -> None:
+        """Counts one set. A limit holds where its interval does; only values have an error in units of u."""
+        self.sets += 1
+        if outcome.error is not None:
+            self.failed.append(outcome.error)
+        for e in outcome.estimates:
+            name, value = e["name"], outcome.truth[e["name"]]
+            self.tried[name] = self.tried.get(name, 0) + 1
+            self.held[name] = self.held.get(name, 0) + (e["low"] <= value <= e["high"])
+            if e["kind"] == "value":
+                self.z.setdefault(name, []).append((e["value"] - value) / e["u"])
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A material and what a fit says of it."""
+
+    truth: dict[str, float]
+    estimates: list[dict]
+    error: str | None = None
 
 
 def random_parameters(model: dict, rng: np.random.Generator) -> dict[str, float]:
@@ -97,24 +115,24 @@ def campaign(model: dict, truth: dict[str, float], seed: int) -> _native.Measure
     return _native.process(of["sample"], beam=of["beam"], dark=of["dark"])
 
 
-def recover(model: dict, sets: int, seed: int) -> Recovery:
-    """Fits `sets` random materials of `model` with the model itself."""
+def outcomes(model: dict, sets: int) -> Iterator[Outcome]:
+    """Fits `sets` random materials of `model` with the model itself; each model has a seed of its own."""
+    seed = zlib.crc32(model["name"].encode()) % 100_000
     rng = np.random.default_rng(seed)
-    found = Recovery(model["name"])
     for k in range(sets):
         truth = random_parameters(model, rng)
         measured = campaign(model, truth, 1000 * seed + k)
         try:
             fit = _native.fit(measured, model=model["name"], settings={"compare": []})
         except _native.FitError as error:
-            found.failed.append(str(error))
-            continue
-        for e in fit.estimates:
-            name, value = e["name"], truth[e["name"]]
-            if e["kind"] == "value":
-                found.count(name, held=e["low"] <= value <= e["high"], z=(e["value"] - value) / e["u"])
-            elif e["kind"] == "upper_limit":
-                found.count(name, held=value <= e["high"], z=0.0)
-            else:
-                found.other_kinds[name] = found.other_kinds.get(name, 0) + 1
+            yield Outcome(truth, [], str(error))
+        else:
+            yield Outcome(truth, fit.estimates)
+
+
+def recover(model: dict, sets: int) -> Recovery:
+    """The coverage of `sets` random materials of `model`."""
+    found = Recovery(model["name"])
+    for outcome in outcomes(model, sets):
+        found.add(outcome)
     return found
