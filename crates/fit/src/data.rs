@@ -26,6 +26,11 @@ pub enum Weights {
     Stated,
 }
 
+/// Least prediction that a weight is taken at, as a share of the reading. Noise alone never takes a reading so far above
+/// the prediction, except in the floor, where the weight does not depend on it. A model whose tails are too faint would
+/// otherwise give them weight without bound, widen until the weights are gone, narrow again, and never settle.
+const LEAST_PREDICTED: f64 = 1.0 / 3.0;
+
 /// Everything a fit looks at.
 #[derive(Clone, Debug)]
 pub(crate) struct FitData {
@@ -261,15 +266,17 @@ impl FitData {
         }
     }
 
-    /// Sets the weights of chi-square from the predicted DSF of every block; `damped`: to the geometric mean of old and
+    /// Sets the weights of chi-square from the predicted DSF of every block, no less than [`LEAST_PREDICTED`] of the
+    /// reading; `damped`: to the geometric mean of old and
     /// new ones.
     pub(crate) fn reweigh(&mut self, predicted: &[Vec<f64>], damped: bool) {
         for (block, predicted) in self.blocks.iter().zip(predicted) {
             let slab = &mut self.slabs[block.slab];
             let (law, rows) = (slab.law, block.rows.clone());
             let weights = &mut slab.inverse_variance[rows.clone()];
-            for ((w, &d), extra) in weights.iter_mut().zip(predicted).zip(&slab.extra[rows]) {
-                let new = 1.0 / (law.variance(d) + extra);
+            let readings = slab.y[rows.clone()].iter().zip(&slab.extra[rows]);
+            for ((w, &d), (&y, extra)) in weights.iter_mut().zip(predicted).zip(readings) {
+                let new = 1.0 / (law.variance(d.max(LEAST_PREDICTED * y)) + extra);
                 *w = if damped { (*w * new).sqrt() } else { new };
             }
         }

@@ -14,7 +14,7 @@ use crate::refine::{Goal, refine, settle};
 use crate::result::{Fit, OtherMetric};
 use crate::selection::phrase;
 use crate::solver::{Solution, SolverOptions, Stop};
-use crate::start::{search, starts};
+use crate::start::{narrow_first, search, starts};
 use crate::{Estimate, FitError, FitModel, FitOptions, Interval, Kind, report, warnings};
 
 /// Highest reading in standard deviations of the noise floor, and share of readings above three of them, from which a
@@ -219,19 +219,24 @@ impl<'a> Setting<'a> {
                     .collect()
             }
         };
+        // Of candidates with different weights the costs are no measure, the likelihoods are.
         let best = candidates
             .iter()
-            .map(|x| settle(&self.chart, &mut part, self.goal, x, self.bounds(), &rough))
-            .filter(|s| s.stop != Stop::NotFinite)
-            // The weights differ between candidates; so does their likelihood.
-            .min_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+            .map(|x| {
+                let found = settle(&self.chart, &mut part, self.goal, x, self.bounds(), &rough);
+                let level = report::level(self.goal.metric, found.normal.cost, &part);
+                (found, level)
+            })
+            .filter(|(s, _)| s.stop != Stop::NotFinite)
+            .min_by(|a, b| a.1.total_cmp(&b.1));
         if self
             .cancel
             .is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed))
         {
             return Err(FitError::Cancelled);
         }
-        best.map(|s| s.x).ok_or_else(|| self.not_converged(0))
+        best.map(|(s, _)| narrow_first(&self.chart, &self.held, &s.x))
+            .ok_or_else(|| self.not_converged(0))
     }
 }
 

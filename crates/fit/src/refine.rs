@@ -9,10 +9,15 @@ use crate::objective::{Objective, Scratch};
 use crate::slab::Nodes;
 use crate::solver::{Solution, SolverOptions, Stop, minimise};
 
-/// Rounds of weights at most; the fixed point is reached in three or four.
-const WEIGHT_ROUNDS: usize = 12;
-/// Rounds in which new weights replace the old ones; later their geometric mean does.
-const UNDAMPED: usize = 4;
+/// Rounds of weights at most. A model that suits reaches the fixed point in three or four.
+const WEIGHT_ROUNDS: usize = 60;
+/// Evaluations of a round at most: a minimum that the next weights move is not worth more.
+const ROUND_EVALUATIONS: usize = 12;
+/// A round that does not move the minimum by less than this share of the one before is restless. After the first few of
+/// them weights change to the geometric mean of old and new ones; after some more they stay as they are.
+const CONVERGING: f64 = 0.6;
+const DAMPED_AFTER: usize = 2;
+const HELD_AFTER: usize = 8;
 /// A round that moves the minimum by less than this many standard deviations is the last.
 const SETTLED: f64 = 1e-3;
 /// Rounds of beam profile rules at most.
@@ -45,7 +50,8 @@ impl Goal {
     }
 }
 
-/// The minimum from `start` with weights that belong to it. Leaves the weights in `data`.
+/// The minimum from `start` with weights that belong to it. Leaves the weights in `data`. Of a model that suits so little
+/// that minimum and weights chase each other, the minimum for the mean weights of the last rounds.
 pub(crate) fn settle(
     chart: &Chart<'_>,
     data: &mut FitData,
@@ -61,24 +67,43 @@ pub(crate) fn settle(
         return minimise(&goal.objective(chart, data), start, low, high, options);
     }
     let mut x = start.to_vec();
-    let mut evaluations = 0;
-    let mut round = 0;
+    let (mut evaluations, mut round, mut restless) = (0, 0, 0);
+    let mut before = f64::INFINITY;
     loop {
         round += 1;
         let predicted = goal.objective(chart, data).predict(&x);
-        data.reweigh(&predicted, round > UNDAMPED);
-        let mut found = minimise(&goal.objective(chart, data), &x, low, high, options);
+        data.reweigh(&predicted, restless >= DAMPED_AFTER);
+        let last = restless >= HELD_AFTER || round == WEIGHT_ROUNDS;
+        let within = SolverOptions {
+            max_evaluations: if last {
+                options.max_evaluations
+            } else {
+                ROUND_EVALUATIONS
+            },
+            ..options.clone()
+        };
+        let mut found = minimise(&goal.objective(chart, data), &x, low, high, &within);
         evaluations += found.evaluations;
         found.evaluations = evaluations;
         let step = nalgebra::DVector::from_iterator(x.len(), found.x.iter().zip(&x).map(|(a, b)| a - b));
         let moved = step.dot(&(&found.normal.matrix * &step)).max(0.0).sqrt();
-        if moved < SETTLED || !found.stop.converged() || round == WEIGHT_ROUNDS {
-            if round == WEIGHT_ROUNDS && moved > 0.1 {
-                found.stop = Stop::Evaluations;
-            }
+        let settled = found.stop.converged() && moved < SETTLED * misfit(goal.loss, &found, data.len());
+        if settled || last || matches!(found.stop, Stop::Cancelled | Stop::NotFinite) {
             return found;
         }
+        restless += usize::from(moved > CONVERGING * before);
+        before = moved;
         x = found.x;
+    }
+}
+
+/// How many times larger the uncertainties of the parameters are than the stated noise makes them, about; at least one. In
+/// residuals that scatter `s` times as much as stated the pull of soft-L1 stays and its curvature falls as `1 / s`.
+fn misfit(loss: Loss, found: &Solution, readings: usize) -> f64 {
+    let mean = found.normal.cost / readings.max(1) as f64;
+    match loss {
+        Loss::SoftL1 => mean.sqrt().max(1.0),
+        Loss::Linear => (2.0 * mean).sqrt().max(1.0),
     }
 }
 

@@ -70,9 +70,21 @@ pub(crate) fn by_slice(measurement: &Measurement, data: &FitData, predicted: &[V
     out
 }
 
+/// Minus twice the logarithm of the likelihood a reading, up to a constant, at the minimum of `cost`:
+/// `ln(2 cost / readings) + mean ln sigma^2`. The mean of the logarithms belongs to chi-square, whose standard deviations
+/// follow the model: a prediction that is too high must not win by its large `sigma`.
+pub(crate) fn level(metric: Metric, cost: f64, data: &FitData) -> f64 {
+    let readings = data.len().max(1) as f64;
+    let level = (2.0 * cost / readings).max(1e-300).ln();
+    if metric != Metric::Chi2 {
+        return level;
+    }
+    let weights = data.slabs.iter().flat_map(|s| &s.inverse_variance);
+    level - weights.map(|v| v.ln()).sum::<f64>() / readings
+}
+
 /// Akaike's criterion, corrected for few observations \[HurvichTsai1989\], with as many observations as there are blocks:
-/// `n (ln(2 cost / readings) + mean ln sigma^2) + 2 k + 2 k (k + 1) / (n - k - 1)`. The mean of the logarithms belongs to
-/// chi-square, whose standard deviations follow the model.
+/// `n level + 2 k + 2 k (k + 1) / (n - k - 1)` with [`level`].
 pub(crate) fn aicc(fit: &Fit, data: &FitData) -> f64 {
     let n = fit.blocks as f64;
     let k = fit
@@ -83,16 +95,6 @@ pub(crate) fn aicc(fit: &Fit, data: &FitData) -> f64 {
     if n <= k + 1.0 {
         return f64::INFINITY;
     }
-    let readings = fit.readings as f64;
-    let mut level = (2.0 * fit.cost / readings).max(1e-300).ln();
-    if fit.metric == Metric::Chi2 {
-        let sum: f64 = data
-            .slabs
-            .iter()
-            .flat_map(|s| &s.inverse_variance)
-            .map(|v| v.ln())
-            .sum();
-        level -= sum / readings;
-    }
+    let level = level(fit.metric, fit.cost, data);
     n * level + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
 }

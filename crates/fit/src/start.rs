@@ -2,6 +2,7 @@
 
 use gonio_bsdf::analytic::Role;
 
+use crate::Product;
 use crate::chart::Chart;
 use crate::data::FitData;
 use crate::metric::{Loss, Metric};
@@ -23,7 +24,8 @@ const MOST: usize = 512;
 const FOLLOWED: usize = 6;
 const FINISHED: usize = 3;
 
-/// The starting points: every combination of widths, decades and axes, with amplitudes at their default.
+/// The starting points: every combination of widths, decades and axes, with amplitudes at their default. Lobes of the same
+/// family start with different widths, narrow first.
 pub(crate) fn starts(
     chart: &Chart<'_>,
     low: &[f64],
@@ -65,7 +67,60 @@ pub(crate) fn starts(
             .collect();
     }
     all.dedup();
+    all.retain(|x| ordered(chart, x));
     all
+}
+
+/// Whether the widths of lobes of the same family ascend: two lobes alike never part, and in another order the points are the
+/// same sums again.
+fn ordered(chart: &Chart<'_>, x: &[f64]) -> bool {
+    twins(chart)
+        .iter()
+        .all(|(a, b)| width(chart, *a, x) < width(chart, *b, x))
+}
+
+/// Neighbouring parts of the same family that have a width.
+fn twins(chart: &Chart<'_>) -> Vec<(usize, usize)> {
+    let parts = &chart.model.parts;
+    let name = |k: usize| parts[k].info().name;
+    let has_width = |k: usize| parts[k].info().parameters.iter().any(|p| p.role == Role::Width);
+    (1..parts.len())
+        .filter(|&k| has_width(k))
+        .filter_map(|k| Some(((0..k).rev().find(|&j| name(j) == name(k))?, k)))
+        .collect()
+}
+
+/// The first width of a part; NaN without any.
+fn width(chart: &Chart<'_>, part: usize, x: &[f64]) -> f64 {
+    let part = &chart.model.parts[part];
+    let at = part.info().parameters.iter().position(|p| p.role == Role::Width);
+    at.map_or(f64::NAN, |k| part.values[k].value(&chart.parameters(x, 0)))
+}
+
+/// `x` with lobes of the same family in the order of their widths, narrow first, where each has parameters of its own and
+/// none of them is `held`.
+pub(crate) fn narrow_first(chart: &Chart<'_>, held: &[bool], x: &[f64]) -> Vec<f64> {
+    let mut x = x.to_vec();
+    let twins = twins(chart);
+    // The variables of each parameter of a part; `None` where they are not its own.
+    let variables = |part: usize| -> Option<Vec<usize>> {
+        let mut all = Vec::new();
+        for value in &chart.model.parts[part].values {
+            let parameter = (0..chart.model.parameters.len()).find(|&p| *value == Product::of(p))?;
+            all.extend((0..chart.len()).filter(|&v| chart.variables[v].parameter == parameter));
+        }
+        all.iter().all(|&v| !held[v]).then_some(all)
+    };
+    for _ in 0..twins.len() {
+        for &(a, b) in &twins {
+            if width(chart, a, &x) > width(chart, b, &x)
+                && let (Some(first), Some(second)) = (variables(a), variables(b))
+            {
+                first.iter().zip(&second).for_each(|(&j, &k)| x.swap(j, k));
+            }
+        }
+    }
+    x
 }
 
 /// The best few minima in the cube-root metric from all starting points, best first. Cube roots compress the range of

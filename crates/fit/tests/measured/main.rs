@@ -4,5 +4,6 @@
 
 mod common;
 mod coverage;
+mod misfit;
 mod recovery;
 mod robustness;
