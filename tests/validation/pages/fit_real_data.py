@@ -26,16 +26,22 @@ BLANK = "blank_v2o0_20250911.xls"
 INTRODUCTION = """# Fits of real materials
 
 Every fit model on three RGL materials [DupuyJakob2018] (tabulated at their measured incidences, 1 % stated uncertainty) and on
-two black coatings (J&C RT-300S, 650 nm, blank subtracted). No sample was turned, so models with an axis are not offered. The error is the relative L1 difference of the DSF at
-incidences that were left out of the fit, each in turn, averaged over incidences and channels; in brackets that of the fit
-to all incidences. Models are ranked as `gonio fit --model auto` ranks them. Made by `make validate`.
+two black coatings (J&C RT-300S, 650 nm, blank subtracted). No sample was turned, so models with an axis are not offered. The
+error is the relative L1 difference of the DSF at incidences that were left out of the fit, each in turn, averaged over
+incidences and channels; in brackets that of the fit to all incidences. Models are ranked as `gonio fit --model auto` ranks them. Made by `make validate`.
 
 """
 
 
+ENDS = """Oren-Nayar's roughness adds light near the incidence; a sample that shows none gets sigma = 0, and the model is Lambert's. A conductor
+with k = 0 is a dielectric: its reflectance is Fresnel's where that of the models with `f0` is Schlick's.
+
+"""
+
 PEAKS = """The brightest reading near 45° in the first channel, and the largest angle from it at which the DSF is still a half and a
-tenth of it. The ratio of the two radii is 1.8 for a Gaussian, 2.3 for a GGX lobe about the normal, 1 for a disk. A peak that falls faster
-than a Gaussian is the instrument's own, and one that lies off the mirror direction fits no model here.
+tenth of it. The ratio of the two radii is 1.8 for a Gaussian, 2.3 for a GGX lobe about the normal, 1 for a disk. A narrow peak that falls
+faster than a Gaussian, or lies off the mirror direction, is out of reach of every lobe here: the instrument's own profile, or a tilt of
+the sample, is in the readings.
 
 """
 
@@ -78,7 +84,6 @@ def make() -> str:
             errors.setdefault(model, {})[name] = "no fit"
             sentences.append(f"- {name}, {model}: {reason}")
         sentences.insert(0, f"- {name}: {choice['sentence']}")
-    sentences += [notes(name, choice) for name, choice in choices.items()]
     order = sorted(errors, key=lambda m: mean_error(errors[m]))
     rows = [[f"`{m}`", *(errors[m].get(name, "–") for name in choices)] for m in order]
     parameters = []
@@ -106,6 +111,12 @@ def make() -> str:
             ["material", "theta_i", "peak off the mirror direction", "radius at 1/2", "at 1/10", "ratio"],
             [[name, *peak(measurement)] for name, measurement in measurements.items()],
         )
+        + "\n## Where searches end at a bound, or not at all\n\n"
+        + ENDS
+        + table(
+            ["material", "sigma = 0", "k = 0", "not converged"],
+            [[name, *ends(choice)] for name, choice in choices.items()],
+        )
         + "\n## What the comparison says\n\n"
         + "\n".join(sorted(sentences))
         + "\n\n## Parameters of the best model\n\n`u` is the standard uncertainty from noise and correlated residuals, `u_model` "
@@ -131,12 +142,12 @@ def units(theta: NDArray[np.float64], phi: NDArray[np.float64]) -> NDArray[np.fl
     return np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)
 
 
-def notes(name: str, choice: dict[str, Any]) -> str:
-    """What else the fits of one material have in common."""
+def ends(choice: dict[str, Any]) -> list[str]:
+    """The models with sigma at 0, those with k at 0, and those whose search did not converge."""
     fits = [fit for fit, _, _ in choice["ranking"]]
 
     def models(holds: Callable[[Any], bool]) -> str:
-        return ", ".join(sorted(f"`{fit.model}`" for fit in fits if holds(fit))) or "none"
+        return ", ".join(sorted(f"`{fit.model}`" for fit in fits if holds(fit))) or "–"
 
     def at_zero(parameter: str) -> Callable[[Any], bool]:
         def holds(fit: Any) -> bool:
@@ -145,10 +156,10 @@ def notes(name: str, choice: dict[str, Any]) -> str:
 
         return holds
 
-    return (
-        f"- {name}: sigma 0: {models(at_zero('sigma'))}; k 0: {models(at_zero('k'))}; "
-        f"not converged: {models(lambda fit: any(code == 'not_converged' for code, _ in fit.warnings))}."
-    )
+    def unsettled(fit: Any) -> bool:
+        return any(code == "not_converged" for code, _ in fit.warnings)
+
+    return [models(at_zero("sigma")), models(at_zero("k")), models(unsettled)]
 
 
 def mean_error(of: dict[str, str]) -> float:
