@@ -34,11 +34,13 @@ pub(crate) fn starts(
     defaults: &[f64],
 ) -> Vec<Vec<f64>> {
     let mut all = vec![defaults.to_vec()];
-    for (v, variable) in chart.variables.iter().enumerate() {
-        if fixed[v] {
-            continue;
-        }
-        let parameter = &chart.model.parameters[variable.parameter];
+    for (k, parameter) in chart.model.parameters.iter().enumerate() {
+        // One value for all channels: their combinations would crowd out the widths.
+        let own: Vec<usize> = (0..chart.len())
+            .filter(|&v| chart.variables[v].parameter == k && !fixed[v])
+            .collect();
+        let Some(&v) = own.first() else { continue };
+        let variable = chart.variables[v];
         let values: Vec<f64> = match parameter.role {
             Role::Width => WIDTHS.iter().map(|w| variable.of_value(*w)).collect(),
             Role::Angle => AXES.to_vec(),
@@ -60,7 +62,7 @@ pub(crate) fn starts(
             .flat_map(|x| {
                 values.iter().map(|value| {
                     let mut x = x.clone();
-                    x[v] = *value;
+                    own.iter().for_each(|&v| x[v] = *value);
                     x
                 })
             })
