@@ -7,7 +7,6 @@ use gonio_geom::Component;
 use crate::data::FitData;
 use crate::fitting::Setting;
 use crate::limits::resolution;
-use crate::noise_law::median;
 use crate::result::{Fit, Warning};
 use crate::{Estimate, Kind, Metric};
 
@@ -94,8 +93,7 @@ pub(crate) fn of(fit: &Fit, data: &FitData, setting: &Setting<'_>) -> Vec<Warnin
             format!(
                 "residuals scatter {:.1} times as much as the stated noise{place}: {} does not describe the sample within its \
                  noise; compare other models or use a data-driven one",
-                // Not the dispersion: a robust loss bounds it.
-                median(fit.residuals.iter().map(|r| r.chi2)).sqrt(),
+                noise_ratio(fit),
                 fit.model.name
             ),
         );
@@ -103,6 +101,17 @@ pub(crate) fn of(fit: &Fit, data: &FitData, setting: &Setting<'_>) -> Vec<Warnin
     estimates(fit, data, setting, &mut warn);
     energy(fit, data, &mut warn);
     all
+}
+
+/// How many times the stated noise the residuals of the median slice are. Not from the dispersion: a robust loss bounds it.
+fn noise_ratio(fit: &Fit) -> f64 {
+    let mut chi2: Vec<f64> = fit.residuals.iter().map(|r| r.chi2).collect();
+    chi2.sort_by(f64::total_cmp);
+    let n = chi2.len();
+    if n == 0 {
+        return f64::NAN;
+    }
+    (0.5 * (chi2[(n - 1) / 2] + chi2[n / 2])).sqrt()
 }
 
 fn label(e: &Estimate) -> String {
