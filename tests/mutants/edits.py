@@ -198,7 +198,7 @@ MUTANTS = (
         "real: eta2 - k2,",
         "real: eta2 + k2,",
         ("ggx-conductor",),
-        first=2,
+        first=3,
     ),
     Mutant(
         "the squared index missing from the Jacobian of refraction",
