@@ -244,7 +244,7 @@ MUTANTS = (
         COMPENSATION,
         "(1.0 - share) * self.single.pdf(w, sampled) + share * cosine_density(upward)",
         "share.mul_add(0.0, self.single.pdf(w, sampled)) + 0.0 * cosine_density(upward)",
-        ("ggx-compensated",),
+        ("ggx-conductor-compensated",),
     ),
     Mutant(
         "compensation by the loss at one of the two directions",
