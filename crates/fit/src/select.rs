@@ -18,7 +18,7 @@ use crate::{FitError, FitModel, FitOptions, Kind, Selection, fit, fit_models};
 /// Readings that a fit without one incidence looks at, at most.
 const FOLD_READINGS: usize = 8000;
 /// Held-out errors closer than this ratio count as equal; then the criterion of Akaike decides.
-const TIE: f64 = 1.03;
+const TIE: f64 = 1.01;
 /// Criteria of Akaike closer than this are those of one and the same function in other parameters.
 const SAME: f64 = 0.01;
 
@@ -137,7 +137,7 @@ pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Ve
     Ok(models)
 }
 
-/// Fits every model and ranks them: by the error at incidences left out in turn, models within 3 % of one another by
+/// Fits every model and ranks them: by the error at incidences left out in turn, models within 1 % of one another by
 /// Akaike's criterion; with a single incidence by the criterion alone. Where that is equal too (to 0.01), those all of
 /// whose parameters the readings determine come first, then those with fewer parameters, then the order given.
 ///
