@@ -153,12 +153,15 @@ fn integrate(
 /// Directions of one box.
 const NODES: usize = KRONROD.len() * KRONROD.len();
 
+/// Takes columns of unit vectors, of which the first are wanted, and fills as many values.
+type OfColumns<'a> = dyn FnMut(&[[f64; NODES]; 3], &mut [f64]) + 'a;
+
 /// What is integrated, over polar angle and azimuth from the mirror direction.
 struct Integrand<'a> {
     phi_0: f64,
     /// Sign of the hemisphere.
     side: f64,
-    g: &'a mut dyn FnMut(&[[f64; NODES]; 3], &mut [f64]),
+    g: &'a mut OfColumns<'a>,
 }
 
 impl Integrand<'_> {

@@ -58,7 +58,7 @@ pub(crate) fn sort(slice: &Slice, selection: &Selection, described: [bool; 2]) -
     for j in 0..slice.len() {
         let at = usize::from(z[j] <= 0.0);
         let apart = (x[j] - ix).powi(2) + (y[j] - iy).powi(2) + (z[j] - iz).powi(2);
-        let ordinary = (slice.dsf[j] - slice.dsf[j] == 0.0)
+        let ordinary = slice.dsf[j].is_finite()
             & !slice.flags[j].intersects(unusable)
             & (z[j].abs() >= lowest)
             & (apart >= near)
