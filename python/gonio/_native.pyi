@@ -185,6 +185,8 @@ class Bsdf:
     @property
     def channels(self) -> list[str]: ...
     @property
+    def has_delta(self) -> bool: ...
+    @property
     def properties(self) -> dict[str, bool]: ...
     def eval(
         self,
@@ -455,6 +457,21 @@ class Rgl(Bsdf):
 
 def is_tensor_file(path: str | PathLike[str]) -> bool: ...
 def read_rgl(path: str | PathLike[str]) -> Rgl: ...
+def is_merl(path: str | PathLike[str]) -> bool: ...
+def read_merl(path: str | PathLike[str]) -> tuple[Bsdf, float]: ...
+def write_merl(path: str | PathLike[str], bsdf: Bsdf, channels: tuple[str, str, str]) -> Bsdf: ...
+def write_zemax(
+    path: str | PathLike[str],
+    bsdf: Bsdf,
+    *,
+    channel: str | None = None,
+    component: str = "reflection",
+    rotations: Sequence[float] | None = None,
+    incidences: Sequence[float] | None = None,
+    azimuths: Sequence[float] | None = None,
+    radials: Sequence[float] | None = None,
+    comments: str = "",
+) -> tuple[str, int]: ...
 def tabulate(
     model: Bsdf,
     *,

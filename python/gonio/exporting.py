@@ -18,10 +18,11 @@ from gonio.building import build
 from gonio.checking import MeasurementOrPath, loaded
 from gonio.files import check_directory, replacing_directory, replacing_file
 from gonio.measurement import Measurement
+from gonio.model_writers import MODEL_WRITERS
 from gonio.readings import PathLike
 from gonio.working import Progress, interruptible, silent
 
-MODEL_FORMATS = ("radiance-klems", "radiance-ttree")
+MODEL_FORMATS = ("radiance-klems", "radiance-ttree", "merl", "zemax-bsdf")
 TABLE_FORMATS = ("csv", "parquet", "netcdf")
 FORMATS = (*MODEL_FORMATS, *TABLE_FORMATS, "mountain")
 
@@ -75,27 +76,29 @@ def export(
 ) -> Export:
     """Write a measurement or a model in the format of another program, whole or not at all.
 
-    The Radiance formats hold a model: of a measurement the data-driven one that `gonio.build` makes, which
-    takes at least two incidences. The others hold the readings.
+    The Radiance formats, merl and zemax-bsdf hold a model: of a measurement the data-driven one that
+    `gonio.build` makes, which takes at least two incidences. The others hold the readings.
 
     Parameters
     ----------
     source
-        A measurement, the directory of a saved one, or (for the Radiance formats) any model.
+        A measurement, the directory of a saved one, or (for the formats that hold one) any model.
     to
-        radiance-klems and radiance-ttree (BSDF XML; of a measurement the data-driven model), csv, parquet and
-        netcdf (the columns of docs/data-model.md), mountain (a directory with one text file a slice).
+        radiance-klems and radiance-ttree (BSDF XML; of a measurement the data-driven model), merl (isotropic
+        reflection in red, green and blue), zemax-bsdf (one channel and component), csv, parquet and netcdf
+        (the columns of docs/data-model.md), mountain (a directory with one text file a slice).
     out
         The file, or the directory for mountain.
     channel
-        The channel; needed for the Radiance formats where there are several, takes one out for the others.
+        The channel; needed for the Radiance formats and zemax-bsdf where there are several, takes one out for
+        the others; merl is written grey from it.
     symmetry
         Symmetry of the data-driven model, as in `gonio.build`.
     smooth, candidate
         Smoothing and interpolation of the data-driven model, as in `gonio.build`.
     components
         Side of incidence and component of what a Radiance file holds, for example ("front", "reflection");
-        None takes all that scatter.
+        None takes all that scatter. merl and zemax-bsdf hold one, front reflection unless given.
     basis
         Patches of radiance-klems: full, half or quarter.
     cap_albedo
@@ -147,6 +150,18 @@ def export(
             )
         )
         _check_measured(model, components or ())
+        if to in MODEL_WRITERS:
+            progress("reducing", 0, 1)
+            notes = list(model.warnings) if isinstance(model, _native.DataDriven) else []
+            title = name if name is not None else (sample.sample_name if sample else None) or ""
+            report, more = MODEL_WRITERS[to](
+                model, target_path, channel=channel, components=components, title=title
+            )
+            if "reduced" in report:
+                taken = report.pop("channel")
+                report["loss"] = _loss(model, report.pop("reduced"), taken, (("front", "reflection"),))
+            progress("reducing", 1, 1)
+            return Export(to=to, out=target_path, report=report, warnings=notes + more)
         shared: dict[str, Any] = {"components": components, "channel": channel}
         progress("reducing", 0, 1)
         reduced: _native.Klems | _native.TensorTree
@@ -159,7 +174,7 @@ def export(
                 lambda: _native.to_tensor_tree(model, rank=rank, max_depth=max_depth, target=target, **shared)
             )
         progress("reducing", 1, 1)
-        report = dict(reduced.report) | {"loss": _loss(model, reduced, channel)}
+        report = dict(reduced.report) | {"loss": _loss(model, reduced, channel, reduced.components)}
         title = name if name is not None else (sample.sample_name if sample else None) or ""
         _native.write_radiance_xml(
             target_path,
@@ -209,12 +224,12 @@ def read_radiance(path: PathLike, *, channel: str = "photopic") -> Bsdf:
 
 
 def _loss(
-    model: Bsdf, reduced: _native.Klems | _native.TensorTree, channel: str | None
+    model: Bsdf, reduced: Bsdf, channel: str | None, components: Sequence[Component]
 ) -> dict[Component, dict[str, float]]:
     """What the reduced model loses, by component; see `Export`."""
     phi_i = (0.0,) if model.properties["isotropic"] else (0.0, 45.0, 90.0, 135.0)
     losses: dict[Component, dict[str, float]] = {}
-    for side, component in reduced.components:
+    for side, component in components:
         at = [
             _native.reduction_loss(
                 model,

@@ -1,4 +1,4 @@
-"""Files of models: Radiance BSDF XML and RGL materials, read or summed up."""
+"""Files of models: Radiance BSDF XML, RGL materials and MERL binaries, read or summed up."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from gonio.working import interruptible
 
 XML_FORMAT = "radiance-xml"
 RGL_FORMAT = "rgl-bsdf"
+MERL_FORMAT = "merl"
 
 _THETA = np.arange(0.0, 86.0, 5.0)
 _PHI = np.arange(0.0, 360.0, 15.0)
@@ -24,10 +25,11 @@ _PHI = np.arange(0.0, 360.0, 15.0)
 class ComponentSummary:
     """One channel and component of a model.
 
-    `representation` is klems, tensor-tree or rgl; `resolution` the angle basis of the patches (incident,
-    exit), the rank and the number of cells of all components, or the incidences and the nodes of a table. The
-    directional albedo is the least and the largest over all incident patches, for a tensor tree over
-    incidences of 0 to 85 degrees from the normal of the lit side, for an RGL material over those measured.
+    `representation` is klems, tensor-tree, rgl or merl; `resolution` the angle basis of the patches
+    (incident, exit), the rank and the number of cells of all components, the incidences and the nodes of a
+    table, or the cells in theta_h, theta_d and phi_d. The directional albedo is the least and the largest
+    over all incident patches, for a tensor tree over incidences of 0 to 85 degrees from the normal of the lit
+    side, for an RGL material over those measured, for a MERL binary over 0 to 75 degrees.
     """
 
     channel: str
@@ -59,6 +61,8 @@ def model_format(path: Path) -> str | None:
     """
     if _native.is_tensor_file(path):
         return RGL_FORMAT
+    if _native.is_merl(path):
+        return MERL_FORMAT
     with path.open("rb") as file:
         start = file.read(512)
     xml = (b"<?xml", b"<WindowElement", b"<!--")
@@ -66,38 +70,51 @@ def model_format(path: Path) -> str | None:
 
 
 def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
-    """Read a model from a file: Radiance or WINDOW BSDF XML, or a material of the RGL database.
+    """Read a model from a file: Radiance or WINDOW BSDF XML, a material of the RGL or the MERL database.
 
     Parameters
     ----------
     path
         The file; its content tells the format. An RGL material (tensor file, .bsdf) becomes an `Rgl` model
-        with the channels red, green and blue, or one a wavelength.
+        with the channels red, green and blue, or one a wavelength; a MERL binary has red, green and blue.
     channel
         Of an XML, which holds one model a channel, the channel to read: photopic is the file's Visible, solar
-        its Solar, 550nm a wavelength; None is photopic. An RGL material keeps all its channels; one that it
-        does not have is refused.
+        its Solar, 550nm a wavelength; None is photopic. The others keep all their channels; one that they do
+        not have is refused.
 
     Raises
     ------
     FormatError
         The file does not follow its format, or an XML has no such channel.
     QuantityError
-        An RGL material has no such channel.
+        A material has no such channel.
     OSError
         The operating system refuses.
     """
     file = Path(path)
-    if model_format(file) != RGL_FORMAT:
-        return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or "photopic"))
-    return _rgl_with(file, channel)
+    found = model_format(file)
+    if found == RGL_FORMAT:
+        return _rgl_with(file, channel)
+    if found == MERL_FORMAT:
+        return _merl_with(file, channel)[0]
+    return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or "photopic"))
+
+
+def _check_channel(model: Bsdf, channel: str | None) -> None:
+    if channel is not None and channel not in model.channels:
+        raise QuantityError(f"channel: found {channel}, needed one of {', '.join(model.channels)}")
 
 
 def _rgl_with(path: Path, channel: str | None) -> Rgl:
     model = interruptible(lambda: _native.read_rgl(path))
-    if channel is not None and channel not in model.channels:
-        raise QuantityError(f"channel: found {channel}, needed one of {', '.join(model.channels)}")
+    _check_channel(model, channel)
     return model
+
+
+def _merl_with(path: Path, channel: str | None) -> tuple[Bsdf, float]:
+    model, empty = interruptible(lambda: _native.read_merl(path))
+    _check_channel(model, channel)
+    return model, empty
 
 
 def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
@@ -108,7 +125,10 @@ def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
     FormatError, QuantityError, OSError
         As `read_bsdf`.
     """
-    if model_format(path) == RGL_FORMAT:
+    found = model_format(path)
+    if found == MERL_FORMAT:
+        return _merl(path, channel)
+    if found == RGL_FORMAT:
         return _rgl(_rgl_with(path, channel), [channel] if channel else None)
     # A file without any channel is refused by the reader, which says why.
     channels = [channel] if channel else _native.radiance_xml_channels(path) or ["photopic"]
@@ -152,6 +172,30 @@ def _rgl(model: Rgl, asked: list[str] | None) -> ModelSummary:
     if negative:
         notes.append(f"negative values in {', '.join(negative)} are raised to 0")
     return ModelSummary(name=model.description, manufacturer="", components=components, notes=notes)
+
+
+def _merl(path: Path, channel: str | None) -> ModelSummary:
+    model, empty = _merl_with(path, channel)
+    theta_i = np.arange(0.0, 76.0, 15.0).tolist()
+    components = []
+    for name in [channel] if channel else model.channels:
+        albedo = [
+            _native.directional_albedo(model, theta_i=t, phi_i=0.0, component="reflection", channel=name)
+            for t in theta_i
+        ]
+        components.append(
+            ComponentSummary(
+                channel=name,
+                side="front",
+                component="reflection",
+                representation="merl",
+                resolution="90 x 90 x 180 cells",
+                albedo_min=min(albedo),
+                albedo_max=max(albedo),
+            )
+        )
+    notes = [f"{100 * empty:.2g} % of the cells hold no value"] if empty else []
+    return ModelSummary(name="", manufacturer="", components=components, notes=notes)
 
 
 def _component(

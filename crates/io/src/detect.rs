@@ -8,7 +8,7 @@ use std::str::FromStr;
 use gonio_scan::Scan;
 
 use crate::error::open;
-use crate::{IoError, ReadOptions, excerpt, gonio_raw, mountain, nist_ptfe, table, tensor_file};
+use crate::{IoError, ReadOptions, excerpt, gonio_raw, mountain, nist_ptfe, table, tensor_file, zemax};
 
 /// A format of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -19,16 +19,19 @@ pub enum Format {
     GonioRaw,
     /// The NIST table of sintered PTFE.
     NistPtfe,
+    /// Zemax OpticStudio tabular BSDF.
+    Zemax,
     /// A table with one row a reading.
     Table,
 }
 
 impl Format {
     /// Every format with the name the command line and Python use.
-    pub const NAMES: [(Format, &'static str); 4] = [
+    pub const NAMES: [(Format, &'static str); 5] = [
         (Format::Mountain, "mountain"),
         (Format::GonioRaw, "gonio-raw"),
         (Format::NistPtfe, "nist-ptfe"),
+        (Format::Zemax, "zemax-bsdf"),
         (Format::Table, "table"),
     ];
 
@@ -86,6 +89,9 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
     }
     if head.starts_with(nist_ptfe::MAGIC.as_bytes()) {
         return Ok(Format::NistPtfe);
+    }
+    if zemax::is_zemax(head) {
+        return Ok(Format::Zemax);
     }
     let mut lines = head.split(|&b| b == b'\n');
     const KEYS: [&[u8]; 4] = [b"format", b"intheta", b"inphi", b"incident_angle"];
@@ -166,6 +172,7 @@ pub fn read_any(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError
         Format::Mountain => mountain::read(path, options),
         Format::GonioRaw => gonio_raw::read(path, options),
         Format::NistPtfe => nist_ptfe::read(path, options),
+        Format::Zemax => zemax::read(path, options),
         Format::Table => table::read(path, options),
     }
 }
@@ -179,6 +186,7 @@ pub fn parse_any(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Vec
         Format::Mountain => mountain::parse(bytes, path, options),
         Format::GonioRaw => gonio_raw::parse(bytes, path, options),
         Format::NistPtfe => nist_ptfe::parse(bytes, path, options),
+        Format::Zemax => zemax::parse(bytes, path, options),
         Format::Table => table::parse(bytes, path, options),
     }
 }
@@ -207,6 +215,10 @@ mod tests {
         assert_eq!(
             found(b"lambda,thetai,phi,thetar,phir,f_r11,x"),
             Ok(Format::NistPtfe)
+        );
+        assert_eq!(
+            found(b"# by\r\n\r\nSource\tMeasured\r\nSymmetry PlaneSymmetrical"),
+            Ok(Format::Zemax)
         );
         assert_eq!(found(b"theta_i;phi_i;theta_s;phi_s;value\r\n"), Ok(Format::Table));
     }
@@ -243,6 +255,9 @@ mod tests {
     #[test]
     fn a_name_that_is_no_format_lists_the_formats() {
         let text = "fits".parse::<Format>().unwrap_err().to_string();
-        assert!(text.contains("mountain, gonio-raw, nist-ptfe, table"), "{text}");
+        assert!(
+            text.contains("mountain, gonio-raw, nist-ptfe, zemax-bsdf, table"),
+            "{text}"
+        );
     }
 }

@@ -7,6 +7,7 @@ pub mod detect;
 pub mod error;
 pub mod gonio_raw;
 mod grouping;
+pub mod merl;
 pub mod mountain;
 pub mod nist_ptfe;
 pub mod options;
@@ -16,6 +17,8 @@ pub mod rgl;
 pub mod table;
 pub mod tensor_file;
 mod text;
+mod words;
+pub mod zemax;
 
 pub use atomic::write_atomic;
 pub use column::column;

@@ -107,6 +107,12 @@ impl Bsdf {
         self.0.channels().iter().map(ToString::to_string).collect()
     }
 
+    /// Whether the model has an ideal part (mirror, unbent, refracted), which `eval` and `pdf` leave out.
+    #[getter]
+    fn has_delta(&self) -> bool {
+        self.0.has_delta()
+    }
+
     /// What the model promises: reciprocal, energy_conserving, isotropic.
     #[getter]
     fn properties<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

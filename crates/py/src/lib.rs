@@ -9,6 +9,7 @@ mod errors;
 mod files;
 mod fit;
 mod model;
+mod model_files;
 mod processing;
 mod radiance;
 mod radiance_material;
@@ -44,6 +45,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     verdict::register(m)?;
     bsdf::register(m)?;
     model::register(m)?;
+    model_files::register(m)?;
     analytic::register(m)?;
     simulate::register(m)?;
     weights::register(m)

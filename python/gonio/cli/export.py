@@ -15,7 +15,10 @@ from gonio.cli.running import Force, Json, out, print_json, progress_bar, warn
 def export(
     measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
     to: Annotated[
-        str, typer.Option("--to", help="radiance-klems, radiance-ttree, csv, parquet, netcdf or mountain.")
+        str,
+        typer.Option(
+            "--to", help="radiance-klems, radiance-ttree, merl, zemax-bsdf, csv, parquet, netcdf or mountain."
+        ),
     ],
     target: Annotated[Path, typer.Option("-o", "--out", help="File; a directory for mountain.")],
     channel: Channel = None,
@@ -52,8 +55,8 @@ def export(
 ) -> None:
     """Write a measurement, or the model built from it, in the format of another program.
 
-    The radiance formats build the model of gonio build first, which takes at least two incidences; csv,
-    parquet, netcdf and mountain hold the readings.
+    The radiance formats, merl and zemax-bsdf build the model of gonio build first, which takes at least two
+    incidences; csv, parquet, netcdf and mountain hold the readings.
     """
     with progress_bar(hidden=json) as progress:
         written = gonio.export(

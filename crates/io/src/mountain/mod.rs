@@ -59,7 +59,7 @@ fn one_channel(mut text: Text<'_>, header: Header) -> Result<Vec<Scan>, IoError>
 
 /// Linear map from CIE XYZ to the RGB of RADIANCE: primaries (0.640, 0.330), (0.290, 0.600), (0.150, 0.060), white
 /// (1/3, 1/3); rows scaled so that equal X, Y, Z give equal R, G, B [Radiance].
-fn radiance_rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
+pub(crate) fn radiance_rgb([x, y, z]: [f64; 3]) -> [f64; 3] {
     // Columns of the inverse are the primaries' XYZ, each scaled by the white balance; the inverse of a 3x3 matrix by
     // cross products keeps the constants of the source visible.
     use gonio_geom::DVec3;

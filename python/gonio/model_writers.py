@@ -1,0 +1,87 @@
+"""Files of models beside the Radiance ones: MERL binaries and Zemax tabular BSDFs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from gonio import _native
+from gonio._native import Bsdf, QuantityError
+from gonio.working import interruptible
+
+_COLOURS = ("red", "green", "blue")
+_FRONT_REFLECTION = ("front", "reflection")
+
+
+def _one_component(
+    to: str, components: Sequence[tuple[str, str]] | None, allowed: Sequence[tuple[str, str]]
+) -> tuple[str, str]:
+    """Return the component that a file of one is to hold; front reflection unless asked otherwise."""
+    asked = list(components or [_FRONT_REFLECTION])
+    if len(asked) != 1 or asked[0] not in allowed:
+        found = ", ".join("-".join(c) for c in asked)
+        choices = ", ".join("-".join(c) for c in allowed)
+        raise QuantityError(f"component: found {found}, needed one for {to}: {choices}")
+    return asked[0]
+
+
+def write_merl(
+    model: Bsdf,
+    path: Path,
+    *,
+    channel: str | None,
+    components: Sequence[tuple[str, str]] | None,
+    title: str,
+) -> tuple[dict[str, Any], list[str]]:
+    """Write a MERL binary: its report with the table read back as a model, and what is to be told.
+
+    Without `channel` the model's red, green and blue; grey from `channel` or from the only one. The format
+    has no place for a title.
+    """
+    _one_component("merl", components, [_FRONT_REFLECTION])
+    notes = []
+    if channel is None and set(_COLOURS) <= set(model.channels):
+        channels = _COLOURS
+    elif channel is not None or len(model.channels) == 1:
+        one = channel if channel is not None else model.channels[0]
+        channels = (one, one, one)
+        notes.append(f"red, green and blue hold the same, channel {one}")
+    else:
+        raise QuantityError(
+            f"channel: found {', '.join(model.channels)}, "
+            "needed red, green and blue, or one named for a grey file"
+        )
+    if model.has_delta:
+        notes.append("the ideal part (mirror, unbent) of the model has no value and is left out")
+    table = interruptible(lambda: _native.write_merl(path, model, channels))
+    return {"reduced": table, "channel": channels[0]}, notes
+
+
+def write_zemax(
+    model: Bsdf,
+    path: Path,
+    *,
+    channel: str | None,
+    components: Sequence[tuple[str, str]] | None,
+    title: str,
+) -> tuple[dict[str, Any], list[str]]:
+    """Write a Zemax tabular BSDF: symmetry and number of its values, and what is to be told."""
+    allowed = [_FRONT_REFLECTION, ("front", "transmission")]
+    _, component = _one_component("zemax-bsdf", components, allowed)
+    one = channel or (model.channels[0] if len(model.channels) == 1 else None)
+    comments = "\n".join(line for line in (title, f"channel {one}, {component}, written by gonio") if line)
+    symmetry, values = interruptible(
+        lambda: _native.write_zemax(path, model, channel=one, component=component, comments=comments)
+    )
+    notes = []
+    if symmetry == "ASymmetrical4D":
+        notes.append("OpticStudio reads files of one sample rotation only; this one has several")
+    if model.has_delta:
+        notes.append("the ideal part (mirror, unbent) of the model has no BSDF and is left out")
+    return {"symmetry": symmetry, "values": values}, notes
+
+
+Writer = Callable[..., tuple[dict[str, Any], list[str]]]
+
+MODEL_WRITERS: dict[str, Writer] = {"merl": write_merl, "zemax-bsdf": write_zemax}
