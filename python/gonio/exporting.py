@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet as pq
 
-from gonio import _native
+from gonio import _native, bird
 from gonio._native import Bsdf, DomainError, QuantityError, Scan, Slice
 from gonio.building import build
 from gonio.checking import MeasurementOrPath, loaded
@@ -22,8 +22,8 @@ from gonio.model_writers import MODEL_WRITERS
 from gonio.readings import PathLike
 from gonio.working import Progress, interruptible, silent
 
-MODEL_FORMATS = ("radiance-klems", "radiance-ttree", "merl", "zemax-bsdf")
-TABLE_FORMATS = ("csv", "parquet", "netcdf")
+MODEL_FORMATS = ("radiance-klems", "radiance-ttree", "rgl-bsdf", "merl", "zemax-bsdf")
+TABLE_FORMATS = ("csv", "parquet", "netcdf", "bird-json")
 FORMATS = (*MODEL_FORMATS, *TABLE_FORMATS, "mountain")
 
 MOUNTAIN_INDEX = "index.csv"
@@ -76,29 +76,30 @@ def export(
 ) -> Export:
     """Write a measurement or a model in the format of another program, whole or not at all.
 
-    The Radiance formats, merl and zemax-bsdf hold a model: of a measurement the data-driven one that
-    `gonio.build` makes, which takes at least two incidences. The others hold the readings.
+    The Radiance formats, rgl-bsdf, merl and zemax-bsdf hold a model: of a measurement the data-driven one
+    that `gonio.build` makes, which takes at least two incidences. The others hold the readings.
 
     Parameters
     ----------
     source
         A measurement, the directory of a saved one, or (for the formats that hold one) any model.
     to
-        radiance-klems and radiance-ttree (BSDF XML; of a measurement the data-driven model), merl (isotropic
-        reflection in red, green and blue), zemax-bsdf (one channel and component), csv, parquet and netcdf
-        (the columns of docs/data-model.md), mountain (a directory with one text file a slice).
+        radiance-klems and radiance-ttree (BSDF XML; of a measurement the data-driven model), rgl-bsdf
+        (reflection, for `measured` of Mitsuba 3), merl (isotropic reflection in red, green and blue),
+        zemax-bsdf (one channel and component), csv, parquet and netcdf (the columns of docs/data-model.md),
+        bird-json (reflection), mountain (a directory with one text file a slice).
     out
         The file, or the directory for mountain.
     channel
         The channel; needed for the Radiance formats and zemax-bsdf where there are several, takes one out for
-        the others; merl is written grey from it.
+        the others; rgl-bsdf and merl are written grey from it.
     symmetry
         Symmetry of the data-driven model, as in `gonio.build`.
     smooth, candidate
         Smoothing and interpolation of the data-driven model, as in `gonio.build`.
     components
         Side of incidence and component of what a Radiance file holds, for example ("front", "reflection");
-        None takes all that scatter. merl and zemax-bsdf hold one, front reflection unless given.
+        None takes all that scatter. rgl-bsdf, merl and zemax-bsdf hold one, front reflection unless given.
     basis
         Patches of radiance-klems: full, half or quarter.
     cap_albedo
@@ -197,10 +198,9 @@ def export(
     progress("writing", 0, 1)
     if to == "mountain":
         _write_mountain(measurement, target_path, force=force)
-    else:
-        _TABLES[to](measurement, target_path)
+    notes = [] if to == "mountain" else _TABLES[to](measurement, target_path) or []
     progress("writing", 1, 1)
-    return Export(to=to, out=target_path)
+    return Export(to=to, out=target_path, warnings=notes)
 
 
 def read_radiance(path: PathLike, *, channel: str = "photopic") -> Bsdf:
@@ -296,10 +296,11 @@ def _write_parquet(measurement: Measurement, path: Path) -> None:
         pq.write_table(measurement.to_table(), staged, compression="zstd")
 
 
-_TABLES: dict[str, Callable[[Measurement, Path], None]] = {
+_TABLES: dict[str, Callable[[Measurement, Path], list[str] | None]] = {
     "csv": _write_csv,
     "parquet": _write_parquet,
     "netcdf": lambda measurement, path: measurement.to_netcdf(path),
+    bird.FORMAT: lambda measurement, path: bird.write(path, measurement),
 }
 
 

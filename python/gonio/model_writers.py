@@ -1,4 +1,4 @@
-"""Files of models beside the Radiance ones: MERL binaries and Zemax tabular BSDFs."""
+"""Files of models beside the Radiance ones: MERL binaries, RGL materials and Zemax tabular BSDFs."""
 
 from __future__ import annotations
 
@@ -26,6 +26,28 @@ def _one_component(
     return asked[0]
 
 
+def _colours(model: Bsdf, channel: str | None) -> tuple[tuple[str, str, str], list[str]]:
+    """Channels of the model for red, green and blue, and what is to be told of them.
+
+    Its own unless `channel` is given; grey from `channel` or from the only one.
+    """
+    if channel is None and set(_COLOURS) <= set(model.channels):
+        return _COLOURS, []
+    if channel is None and len(model.channels) > 1:
+        raise QuantityError(
+            f"channel: found {', '.join(model.channels)}, "
+            "needed red, green and blue, or one named for a grey file"
+        )
+    one = channel if channel is not None else model.channels[0]
+    return (one, one, one), [f"red, green and blue hold the same, channel {one}"]
+
+
+def _without_ideal_part(model: Bsdf) -> list[str]:
+    if not model.has_delta:
+        return []
+    return ["the ideal part (mirror, unbent) of the model has no BSDF and is left out"]
+
+
 def write_merl(
     model: Bsdf,
     path: Path,
@@ -40,22 +62,36 @@ def write_merl(
     has no place for a title.
     """
     _one_component("merl", components, [_FRONT_REFLECTION])
-    notes = []
-    if channel is None and set(_COLOURS) <= set(model.channels):
-        channels = _COLOURS
-    elif channel is not None or len(model.channels) == 1:
-        one = channel if channel is not None else model.channels[0]
-        channels = (one, one, one)
-        notes.append(f"red, green and blue hold the same, channel {one}")
-    else:
-        raise QuantityError(
-            f"channel: found {', '.join(model.channels)}, "
-            "needed red, green and blue, or one named for a grey file"
-        )
-    if model.has_delta:
-        notes.append("the ideal part (mirror, unbent) of the model has no value and is left out")
+    channels, notes = _colours(model, channel)
+    notes += _without_ideal_part(model)
     table = interruptible(lambda: _native.write_merl(path, model, channels))
     return {"reduced": table, "channel": channels[0]}, notes
+
+
+def write_rgl(
+    model: Bsdf,
+    path: Path,
+    *,
+    channel: str | None,
+    components: Sequence[tuple[str, str]] | None,
+    title: str,
+) -> tuple[dict[str, Any], list[str]]:
+    """Write an RGL material: its report with what was written as a model, and what is to be told.
+
+    Spectral where the model has two or more channels, all of them wavelengths, and none is named; else red,
+    green and blue as `write_merl`.
+    """
+    _one_component("rgl-bsdf", components, [_FRONT_REFLECTION])
+    spectral = [c for c in model.channels if c.endswith("nm")]
+    if channel is None and len(spectral) == len(model.channels) > 1:
+        names = sorted(spectral, key=lambda c: float(c.removesuffix("nm")))
+        channels, notes = [(c, c) for c in names], list[str]()
+    else:
+        taken, notes = _colours(model, channel)
+        channels = list(zip(_COLOURS, taken, strict=True))
+    notes += _without_ideal_part(model)
+    written = interruptible(lambda: _native.write_rgl(path, model, channels, description=title))
+    return {"reduced": written, "channel": channels[0][1]}, notes
 
 
 def write_zemax(
@@ -77,11 +113,14 @@ def write_zemax(
     notes = []
     if symmetry == "ASymmetrical4D":
         notes.append("OpticStudio reads files of one sample rotation only; this one has several")
-    if model.has_delta:
-        notes.append("the ideal part (mirror, unbent) of the model has no BSDF and is left out")
+    notes += _without_ideal_part(model)
     return {"symmetry": symmetry, "values": values}, notes
 
 
 Writer = Callable[..., tuple[dict[str, Any], list[str]]]
 
-MODEL_WRITERS: dict[str, Writer] = {"merl": write_merl, "zemax-bsdf": write_zemax}
+MODEL_WRITERS: dict[str, Writer] = {
+    "merl": write_merl,
+    "rgl-bsdf": write_rgl,
+    "zemax-bsdf": write_zemax,
+}

@@ -9,12 +9,12 @@ from typing import overload
 
 import pyarrow as pa
 
-from gonio import _native, raw_parquet, rt300s
+from gonio import _native, bird, raw_parquet, rt300s
 from gonio._native import DomainError, FormatError, Scan
 
 PathLike = str | os.PathLike[str]
 
-FORMATS = ("mountain", "gonio-raw", "nist-ptfe", "zemax-bsdf", "table", "parquet", rt300s.FORMAT)
+FORMATS = ("mountain", "gonio-raw", "nist-ptfe", "zemax-bsdf", "table", "parquet", rt300s.FORMAT, bird.FORMAT)
 """Names of the formats of readings; docs/formats has a page on each."""
 
 _EXPORTED = ["slice", "theta_i", "phi_i", "channel", "theta_s", "phi_s", "dsf"]
@@ -158,6 +158,8 @@ def read_file(
         return found, raw_parquet.read(path, columns=columns, **stated)
     if found == rt300s.FORMAT:
         return found, rt300s.read(path, **stated)
+    if found == bird.FORMAT:
+        return found, bird.read(path, **stated)
     found = found or ("table" if columns else _native.detect_format(path))
     return found, _native.read_file(path, found, columns=columns, upphi=upphi, **stated)
 
@@ -165,7 +167,9 @@ def read_file(
 def _binary_format(path: PathLike) -> str | None:
     """Format of a file that is no text, by its first bytes."""
     with Path(path).open("rb") as file:
-        start = file.read(8)
+        start = file.read(64)
+    if start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{"):
+        return bird.FORMAT
     return {b"PAR1": "parquet", rt300s.MAGIC[:4]: rt300s.FORMAT}.get(start[:4])
 
 

@@ -115,7 +115,7 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
         str::to_string,
     );
     let allowed = format!(
-        "{}, rt300s and parquet (Python package); state the format of a table, and its columns",
+        "{}, rt300s, bird-json and parquet (Python package); state the format of a table, and its columns",
         names()
     );
     unknown(kind, &allowed)

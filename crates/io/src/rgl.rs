@@ -1,5 +1,7 @@
 //! RGL materials: the fields that a tensor file needs to be one, made into a model.
 
+mod write;
+
 use std::path::Path;
 
 use gonio_bsdf::rgl::{Rgl, RglTables, Table};
@@ -8,6 +10,7 @@ use gonio_bsdf::{BsdfError, Channel};
 use crate::error::read_bytes;
 use crate::tensor_file::{Field, TensorFile};
 use crate::{IoError, column};
+pub use write::write;
 
 /// A material of the RGL database with what its file says of it.
 #[derive(Clone, Debug)]

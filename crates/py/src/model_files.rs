@@ -1,10 +1,11 @@
-//! Files of models: MERL binaries and Zemax tabular BSDFs.
+//! Files of models: MERL binaries, Zemax tabular BSDFs, RGL materials written.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use gonio_bsdf::HalfDifference;
-use gonio_io::{merl, zemax};
+use gonio_bsdf::rgl::{RglOptions, RglTables};
+use gonio_bsdf::{Channel, HalfDifference, Rgl};
+use gonio_io::{merl, rgl, zemax};
 use pyo3::prelude::*;
 
 use crate::bsdf::Bsdf;
@@ -78,9 +79,46 @@ fn write_zemax(
     Ok((written.symmetry, written.values))
 }
 
+/// Tabulate the front reflection of a model as an RGL material, write that and return it. `channels` are pairs of a
+/// channel of the file (red, green, blue, or wavelengths) and of the model. `theta_i` (degrees) and `resolution` replace
+/// the writer's own incidences and nodes along a side of the square. Raises DomainError for sizes out of range,
+/// QuantityError for a channel that is not there, FormatError for channels that the format does not have; OSError and
+/// its kin for what the operating system refuses.
+#[pyfunction]
+#[pyo3(signature = (path, bsdf, channels, *, description="", theta_i=None, resolution=None))]
+fn write_rgl(
+    py: Python<'_>,
+    path: PathBuf,
+    bsdf: &Bsdf,
+    channels: Vec<(String, String)>,
+    description: &str,
+    theta_i: Option<Vec<f64>>,
+    resolution: Option<usize>,
+) -> PyResult<Bsdf> {
+    let mut pairs = Vec::with_capacity(channels.len());
+    for (name, from) in &channels {
+        pairs.push((
+            name.parse::<Channel>().or_raise()?,
+            bsdf.channel_index(Some(from))?,
+        ));
+    }
+    let model = bsdf.0.clone();
+    let mut options = RglOptions::of(&*model);
+    if let Some(degrees) = theta_i {
+        options.theta_i = degrees.into_iter().map(f64::to_radians).collect();
+    }
+    options.resolution = resolution.unwrap_or(options.resolution);
+    let tables = py
+        .detach(|| RglTables::of(&*model, &pairs, &options))
+        .or_raise()?;
+    py.detach(|| rgl::write(&path, &tables, description)).or_raise()?;
+    Ok(Bsdf(Arc::new(Rgl::new(tables).or_raise()?)))
+}
+
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(is_merl, m)?)?;
     m.add_function(wrap_pyfunction!(read_merl, m)?)?;
     m.add_function(wrap_pyfunction!(write_merl, m)?)?;
+    m.add_function(wrap_pyfunction!(write_rgl, m)?)?;
     m.add_function(wrap_pyfunction!(write_zemax, m)?)
 }

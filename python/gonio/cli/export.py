@@ -17,7 +17,9 @@ def export(
     to: Annotated[
         str,
         typer.Option(
-            "--to", help="radiance-klems, radiance-ttree, merl, zemax-bsdf, csv, parquet, netcdf or mountain."
+            "--to",
+            help="radiance-klems, radiance-ttree, rgl-bsdf, merl, zemax-bsdf, csv, parquet, netcdf, "
+            "bird-json or mountain.",
         ),
     ],
     target: Annotated[Path, typer.Option("-o", "--out", help="File; a directory for mountain.")],
@@ -55,8 +57,8 @@ def export(
 ) -> None:
     """Write a measurement, or the model built from it, in the format of another program.
 
-    The radiance formats, merl and zemax-bsdf build the model of gonio build first, which takes at least two
-    incidences; csv, parquet, netcdf and mountain hold the readings.
+    The radiance formats, rgl-bsdf, merl and zemax-bsdf build the model of gonio build first, which takes at
+    least two incidences; csv, parquet, netcdf, bird-json and mountain hold the readings.
     """
     with progress_bar(hidden=json) as progress:
         written = gonio.export(

@@ -6,6 +6,7 @@
 //! on the square and linear between incidences.
 
 mod tables;
+mod tabulate;
 #[cfg(test)]
 mod tests;
 mod warp;
@@ -17,6 +18,7 @@ use gonio_geom::{DVec3, Direction};
 use crate::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
 
 pub use tables::{RglTables, Table};
+pub use tabulate::RglOptions;
 use warp::{Blend, Grid, Warp};
 
 /// Incidences closer to grazing than this, radians (89.5 degrees), were not measured: the database fills them by

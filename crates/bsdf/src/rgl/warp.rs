@@ -257,6 +257,16 @@ impl Warp {
 
     /// The point that the uniform point `(u, v)` is mapped to, and the density there; `None` where there is none.
     pub(super) fn sample(&self, blend: &Blend, u: f64, v: f64) -> Option<([f64; 2], f64)> {
+        let (at, density) = self.map(blend, u, v);
+        (density > 0.0).then_some((at, density))
+    }
+
+    /// The point that the uniform point `(u, v)` is mapped to, whatever its density.
+    pub(super) fn place(&self, blend: &Blend, u: f64, v: f64) -> [f64; 2] {
+        self.map(blend, u, v).0
+    }
+
+    fn map(&self, blend: &Blend, u: f64, v: f64) -> ([f64; 2], f64) {
         let (w, h) = (self.grid.width, self.grid.height);
         let last = |range: Range<usize>, target: f64, f: &dyn Fn(usize) -> f64| {
             // the last place below the end whose cumulative does not exceed the target
@@ -283,6 +293,6 @@ impl Warp {
         let s = solve(c0, c1, (u - row(i)) * (w - 1) as f64);
         let density = lerp(c0, c1, s);
         let at = [(i as f64 + s) / (w - 1) as f64, (j as f64 + t) / (h - 1) as f64];
-        (density > 0.0).then_some((at, density))
+        (at, density)
     }
 }

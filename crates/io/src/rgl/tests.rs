@@ -124,6 +124,53 @@ fn a_material_without_a_mask_has_data_up_to_its_last_incidence() {
     assert!(!model.has_data(Direction::from_degrees(80.5, 0.0), ws));
 }
 
+#[test]
+fn written_tables_are_read_back_with_their_channels_and_mask() {
+    use gonio_bsdf::analytic::family;
+    use gonio_bsdf::rgl::RglOptions;
+
+    let values = vec![0.3, 0.3];
+    let parameters: Vec<(Channel, Vec<f64>)> = [400.5, 532.0]
+        .map(|nm| (Channel::Wavelength(nm), values.clone()))
+        .into();
+    let model = family("ward-gmd").unwrap().model(&parameters).unwrap();
+    let options = RglOptions {
+        theta_i: vec![0.0, 0.7, 1.4],
+        resolution: 9,
+        half_vector: (9, 16),
+        ..RglOptions::of(model.as_ref())
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.bsdf");
+    let colours = [(Channel::Red, 0), (Channel::Green, 1), (Channel::Blue, 1)];
+    let spectral = [(parameters[0].0, 0), (parameters[1].0, 1)];
+    for channels in [&colours[..], &spectral] {
+        let tables = RglTables::of(model.as_ref(), channels, &options).unwrap();
+        write(&path, &tables, "made up").unwrap();
+        let file = read(&path).unwrap();
+        assert_eq!(file.description, "made up");
+        let there: Vec<Channel> = channels.iter().map(|c| c.0).collect();
+        assert_eq!(file.model.channels(), there);
+        let direct = Rgl::new(tables).unwrap();
+        let (mut f, mut g) = (vec![0.0; channels.len()], vec![0.0; channels.len()]);
+        for (theta_i, theta_s) in [(0.0, 10.0), (20.0, 60.0), (55.0, 50.0), (79.0, 85.0)] {
+            let wi = Direction::from_degrees(theta_i, 30.0);
+            let ws = Direction::from_degrees(theta_s, 200.0);
+            direct.eval(wi, ws, &mut f);
+            file.model.eval(wi, ws, &mut g);
+            // angles of incidence are kept in single precision
+            assert!(
+                f.iter().zip(&g).all(|(f, g)| (f - g).abs() <= 1e-6 * f),
+                "{f:?} {g:?}"
+            );
+            assert_eq!(direct.has_data(wi, ws), file.model.has_data(wi, ws));
+        }
+    }
+    let grey = RglTables::of(model.as_ref(), &[(Channel::Photopic, 0)], &options).unwrap();
+    let text = write(&path, &grey, "").unwrap_err().to_string();
+    assert!(text.contains("channels: found photopic"), "{text}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 

@@ -4,11 +4,14 @@
 //! the length of its name (u16), the name, the number of dimensions (u16), the code of the number type (u8), the
 //! offset of the data from the start of the file (u64) and the dimensions (u64 each). Data stand anywhere behind.
 
+mod write;
+
 use std::io::Read;
 use std::path::Path;
 
 use crate::error::open;
 use crate::{IoError, excerpt};
+pub use write::{Data, NewField, write};
 
 /// First bytes of a tensor file.
 pub const MAGIC: &[u8] = b"tensor_file\0";
@@ -76,6 +79,11 @@ impl NumberType {
 
     fn from_code(code: u8) -> Option<Self> {
         Self::ALL.iter().find(|row| row.0 == code).map(|row| row.1)
+    }
+
+    /// Code in the file.
+    fn code(self) -> u8 {
+        Self::ALL.iter().find(|row| row.1 == self).map_or(0, |row| row.0)
     }
 
     fn row(self) -> (&'static str, usize) {

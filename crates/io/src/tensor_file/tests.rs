@@ -56,6 +56,30 @@ fn fields_come_back_with_shape_type_and_numbers() {
 }
 
 #[test]
+fn a_written_file_is_the_one_that_is_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.bsdf");
+    let floats = [0.5f32, -1.0, 2.0, 3.5, 0.0, 9.0];
+    let field = |name, shape, data| NewField { name, shape, data };
+    let fields = [
+        field("table", &[2, 3][..], Data::Floats(&floats)),
+        field("text", &[5], Data::Bytes(b"hello")),
+        field("nothing", &[0, 7], Data::Floats(&[])),
+    ];
+    write(&path, &fields).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let file = TensorFile::parse(&bytes, &path).unwrap();
+    assert_eq!(file.field("table").unwrap().floats().unwrap(), floats);
+    assert_eq!(file.field("table").unwrap().shape, [2, 3]);
+    assert_eq!(file.field("text").unwrap().bytes(), Some(&b"hello"[..]));
+    assert!(file.field("nothing").unwrap().is_empty());
+    let short = [field("table", &[2, 2][..], Data::Floats(&floats))];
+    let text = write(&path, &short).unwrap_err().to_string();
+    assert!(text.contains("table: found 6 numbers"), "{text}");
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+}
+
+#[test]
 fn faults_are_told_with_field_and_what_was_found() {
     let whole = small();
     let spoilt = |at: usize, with: &[u8]| {
