@@ -237,7 +237,7 @@ def _missing(at: NDArray[np.float64], weights: NDArray[np.float64], grid: NDArra
     share = float((weights[:, outside].sum(axis=1) / weights.sum(axis=1)).max())
     if share > _LARGEST_MISSING:
         raise FormatError(
-            f"found wavelengths {at[0]:g} to {at[-1]:g} nm, which leave out {100 * share:.2g} % of a "
+            f"found wavelengths {at[0]:g} to {at[-1]:g} nm, which leave out {100 * share:.3g} % of a "
             "weighting, "
             f"allowed {100 * _LARGEST_MISSING:g} %: 410 to 690 nm or more"
         )

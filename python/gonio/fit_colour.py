@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -14,30 +15,48 @@ RGB = ("red", "green", "blue")
 Triple = tuple[float, float, float]
 
 
+def check_tint(tint: Triple) -> None:
+    """Refuse what is no colour.
+
+    Raises
+    ------
+    DomainError
+        A component that is negative or no number, or all 0.
+    """
+    if not all(math.isfinite(c) and c >= 0.0 for c in tint) or luminance(tint) <= 0.0:
+        found = ", ".join(f"{c:g}" for c in tint)
+        raise DomainError(f"colour: found {found}, allowed three finite numbers from 0, not all 0")
+
+
 @dataclass
 class Palette:
     """Makes RGB in Radiance's primaries of the values of a fit's channels.
 
-    `channels` are those of the fit. `tint` is the colour, at any scale, that a fit of the photopic channel
-    alone is given: its luminance becomes the photopic value. Without one such a fit is grey. `warnings`
-    gather what the way to RGB lost.
+    `channels` are those of the fit. `tint` is the colour, at any scale, that a fit of one channel is given:
+    its luminance becomes the value of that channel. Without one a fit of the photopic channel is grey;
+    `as_visible` makes one of any other channel grey, too. `warnings` gather what the way to RGB lost.
     """
 
     channels: Sequence[str]
     tint: Triple | None = None
     illuminant: str = "D65"
+    as_visible: bool = False
     warnings: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        if self.tint is None:
+        if self.tint is not None:
+            check_tint(self.tint)
+        if len(self.channels) > 1:
+            asked = "colour" if self.tint is not None else "as_visible" if self.as_visible else None
+            if asked is not None:
+                raise DomainError(
+                    f"{asked}: found it beside the channels {', '.join(self.channels)}, allowed for a fit of "
+                    "one channel: the channels of this fit have their own colours"
+                )
             return
-        if list(self.channels) != ["photopic"]:
-            raise DomainError(
-                f"colour: found one beside the channels {', '.join(self.channels)}, allowed for a fit of the "
-                "photopic channel alone: the channels of this fit have their own"
-            )
-        if min(self.tint) < 0.0 or luminance(self.tint) <= 0.0:
-            raise DomainError(f"colour: found {self.tint}, allowed three numbers from 0, not all 0")
+        (channel,) = self.channels
+        if channel != "photopic" and (self.tint is not None or self.as_visible):
+            self.warnings.append(f"the values of the channel {channel} stand for the luminance, as asked for")
 
     def rgb(self, values: Mapping[str, float]) -> Triple:
         """RGB of one value a channel.
@@ -46,11 +65,19 @@ class Palette:
         ------
         DomainError, FormatError
             The channels make no colour: neither red, green and blue, nor photopic, nor wavelengths across the
-            visible.
+            visible; one channel that is not photopic, without `tint` and `as_visible`.
         """
-        if self.tint is not None:
-            scale = values["photopic"] / luminance(self.tint)
-            red, green, blue = (scale * c for c in self.tint)
+        if len(self.channels) == 1:
+            (channel,) = self.channels
+            if self.tint is None and channel != "photopic" and not self.as_visible:
+                raise DomainError(
+                    f"colour: found the channel {channel} alone, which has none, allowed photopic, red, "
+                    "green and blue, or wavelengths from 410 to 690 nm: state --colour or --colour-from "
+                    "(colour=…), or take it for the visible with --as-visible (as_visible=True)"
+                )
+            tint = self.tint or (1.0, 1.0, 1.0)
+            scale = values[channel] / luminance(tint)
+            red, green, blue = (scale * c for c in tint)
             return red, green, blue
         found = colour_of_channels(values, illuminant=self.illuminant)
         self.warnings += [w for w in found.warnings if w not in self.warnings]

@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 
 from gonio._native import DomainError
 from gonio.fit_colour import Palette, Triple
+from gonio.fit_known import require_known
 from gonio.fit_results import Fit
 
 SCENE_VERSION = "3.0.0"
@@ -30,15 +31,18 @@ class MappedMitsuba:
     material: dict[str, Any]
     losses: tuple[str, ...]
 
-    def xml(self, *, name: str = "material") -> str:
-        """The same as a scene file with one `bsdf`."""
+    def xml(self, *, name: str = "material", comments: Sequence[str] = ()) -> str:
+        """The same as a scene file with one `bsdf`; `comments` stand at its head."""
+        head = "".join(f"<!-- {line.replace('--', '- -')} -->\n" for line in comments)
         scene = ET.Element("scene", version=SCENE_VERSION)
         _element(scene, self.material, {"id": name})
         ET.indent(scene)
-        return ET.tostring(scene, encoding="unicode") + "\n"
+        return head + ET.tostring(scene, encoding="unicode") + "\n"
 
 
-def mitsuba_material(fit: Fit, *, colour: Triple | None = None, illuminant: str = "D65") -> MappedMitsuba:
+def mitsuba_material(
+    fit: Fit, *, colour: Triple | None = None, illuminant: str = "D65", as_visible: bool = False
+) -> MappedMitsuba:
     """Make the Mitsuba 3 material of a fit.
 
     lambert maps onto `diffuse` exactly; a diffuse part with microfacets onto a `blendbsdf` of `diffuse` and
@@ -47,22 +51,23 @@ def mitsuba_material(fit: Fit, *, colour: Triple | None = None, illuminant: str 
 
     Parameters
     ----------
-    fit, colour, illuminant
+    fit, colour, illuminant, as_visible
         As `gonio.fit_radiance.radiance_material`.
 
     Raises
     ------
     DomainError
-        Mitsuba has no such material; channels that make no colour. The message says what to do.
+        Mitsuba has no such material; channels that make no colour; a parameter that the fit leaves open. The
+        message says what to do.
     FormatError
         The wavelengths do not span the visible.
     """
-    palette = Palette(fit.channels, tint=colour, illuminant=illuminant)
-    parts = {str(p["model"]): p for p in fit.parts}
-    lobes = [name for name in parts if name.split("-")[0] in DISTRIBUTIONS]
-    others = set(parts) - set(lobes) - {"lambert", "lambert-transmission"}
-    if others or len(lobes) > 1 or (not lobes and set(parts) != {"lambert"}) or len(parts) < len(fit.parts):
+    if not has_mitsuba(fit):
         raise DomainError(_refusal(fit))
+    require_known(fit, "Mitsuba material")
+    palette = Palette(fit.channels, tint=colour, illuminant=illuminant, as_visible=as_visible)
+    parts = {str(p["model"]): p for p in fit.parts}
+    lobes = _lobes(fit)
     angles = sorted({round(min(r.theta_i, 180.0 - r.theta_i), 3) for r in fit.residuals})
     losses: list[str] = []
     diffuse = palette.rgb(parts["lambert"]["rho"]) if "lambert" in parts else (0.0, 0.0, 0.0)
@@ -80,6 +85,19 @@ def mitsuba_material(fit: Fit, *, colour: Triple | None = None, illuminant: str 
         material = {"type": "twosided", "bsdf": _blend(diffuse, surface)}
     _masking(lobe, angles, losses)
     return MappedMitsuba(material, (*losses, *palette.warnings))
+
+
+def has_mitsuba(fit: Fit) -> bool:
+    """Whether a Mitsuba material has the form of the fitted model."""
+    names, lobes = [str(p["model"]) for p in fit.parts], _lobes(fit)
+    others = set(names) - set(lobes) - {"lambert", "lambert-transmission"}
+    matt = lobes or set(names) == {"lambert"}
+    return not others and len(lobes) <= 1 and bool(matt) and len(set(names)) == len(names)
+
+
+def _lobes(fit: Fit) -> list[str]:
+    """Microfacet parts of the fitted model."""
+    return [name for p in fit.parts if (name := str(p["model"])).split("-")[0] in DISTRIBUTIONS]
 
 
 def _refusal(fit: Fit) -> str:

@@ -6,7 +6,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,14 @@ from gonio import _native
 from gonio._native import Bsdf, DomainError, FormatError
 from gonio.analytic import analytic
 from gonio.checking import MeasurementOrPath
-from gonio.files import check_directory, replacing_directory
+from gonio.files import check_directory, replacing_directory, sha256
 from gonio.fit_colour import Palette, Triple
+from gonio.fit_materials import MITSUBA, RADIANCE, Substitute, best_material
 from gonio.fit_mitsuba import mitsuba_material
 from gonio.fit_radiance import radiance_material
 from gonio.fit_results import Fit, finite
 from gonio.fitting import fit_input
+from gonio.measurement import JSON_NAME as MEASUREMENT_NAME
 from gonio.measurement import Measurement
 from gonio.working import Progress, interruptible, silent
 
@@ -40,13 +42,15 @@ class SavedFit:
     """What `save_fit` wrote.
 
     `files` are the names in the directory `out`; `losses` tells, by file, what a material does not hold of
-    the fit; `refused` tells, by file, why there is none.
+    the fit; `refused` tells, by file, why there is none; `substituted` tells, by file, which other model of
+    the ranking it holds where the program has not the fitted one.
     """
 
     out: Path
     files: tuple[str, ...]
     losses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     refused: Mapping[str, str] = field(default_factory=dict)
+    substituted: Mapping[str, Substitute] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -55,6 +59,7 @@ class SavedFit:
             "files": list(self.files),
             "losses": {k: list(v) for k, v in self.losses.items()},
             "refused": dict(self.refused),
+            "substituted": {k: asdict(v) for k, v in self.substituted.items()},
         }
 
 
@@ -66,14 +71,16 @@ def save_fit(
     name: str | None = None,
     colour: Triple | None = None,
     illuminant: str = "D65",
+    as_visible: bool = False,
     force: bool = False,
     progress: Progress = silent,
 ) -> SavedFit:
     """Write a directory with the fit as data, as materials of other programs and as a page.
 
-    The directory appears whole or not at all: fit.json; material.rad where the model is a Radiance material
-    or maps onto one; mitsuba.xml and mitsuba.json (the dict of `mitsuba.load_dict`) where Mitsuba 3 has it;
-    residuals.html with the measurement.
+    The directory appears whole or not at all: fit.json; material.rad, of the model where it is a Radiance
+    material or maps onto one, else of the best ranked model that does; mitsuba.xml and mitsuba.json (the dict
+    of `mitsuba.load_dict`) likewise; residuals.html with the measurement. A model whose parameters the
+    readings leave open is not written.
 
     Parameters
     ----------
@@ -86,9 +93,11 @@ def save_fit(
     name
         Name of the material; None makes one of the sample's name and the model.
     colour
-        Red, green, blue in Radiance's primaries at any scale, for a fit of the photopic channel alone.
+        Red, green, blue in Radiance's primaries at any scale, for a fit of one channel.
     illuminant
         D65, A or E: the light under which wavelengths become a colour.
+    as_visible
+        Take the one channel of the fit, such as 650nm, for the visible: a grey material.
     force
         Write into a directory that holds other files.
     progress
@@ -105,11 +114,12 @@ def save_fit(
         The file system refuses.
     """
     check_directory(out, marker=JSON_NAME, force=force)
-    Palette(fit.channels, tint=colour)  # its errors before any work
+    Palette(fit.channels, tint=colour, as_visible=as_visible)  # its errors before any work
     sample = None if measurement is None else fit_input(measurement, channels=fit.channels)[0]
-    label = word(name or _label(sample, fit.model))
     losses: dict[str, tuple[str, ...]] = {}
     refused: dict[str, str] = {}
+    substituted: dict[str, Substitute] = {}
+    names: dict[str, str] = {}
     texts: dict[str, str] = {}
 
     def made(file: str, make: Callable[[], None]) -> None:
@@ -118,20 +128,45 @@ def save_fit(
         except (DomainError, FormatError) as error:
             refused[file] = str(error)
 
+    def label(of: Fit) -> str:
+        return word(name or _label(sample, of.model))
+
+    def note(file: str, of: Fit, lost: tuple[str, ...], substitute: Substitute | None) -> list[str]:
+        """Keep what is to be told of a material; the lines of its head."""
+        names[file], losses[file] = label(of), lost
+        if substitute is not None:
+            substituted[file] = substitute
+        return _head(of, lost, substitute)
+
     def radiance() -> None:
-        mapped = radiance_material(fit, name=label, colour=colour, illuminant=illuminant)
-        losses[RADIANCE_NAME] = mapped.losses
-        texts[RADIANCE_NAME] = _comments(fit, mapped.losses) + mapped.material.text
+        mapped, of, substitute = best_material(
+            fit,
+            RADIANCE,
+            lambda f: radiance_material(
+                f, name=label(f), colour=colour, illuminant=illuminant, as_visible=as_visible
+            ),
+        )
+        lines = note(RADIANCE_NAME, of, mapped.losses, substitute)
+        texts[RADIANCE_NAME] = "".join(f"# {line}\n" for line in lines) + mapped.material.text
 
     def mitsuba() -> None:
-        mapped = mitsuba_material(fit, colour=colour, illuminant=illuminant)
-        losses[MITSUBA_NAME] = mapped.losses
-        texts[MITSUBA_NAME] = mapped.xml(name=label)
+        mapped, of, substitute = best_material(
+            fit,
+            MITSUBA,
+            lambda f: mitsuba_material(f, colour=colour, illuminant=illuminant, as_visible=as_visible),
+        )
+        lines = note(MITSUBA_NAME, of, mapped.losses, substitute)
+        texts[MITSUBA_NAME] = mapped.xml(name=label(of), comments=lines)
         texts[MITSUBA_DICT_NAME] = json.dumps(mapped.material, indent=2) + "\n"
 
     made(RADIANCE_NAME, radiance)
     made(MITSUBA_NAME, mitsuba)
-    told = {"name": label, "losses": {k: list(v) for k, v in losses.items()}, "refused": refused}
+    told = {
+        "names": names,
+        "losses": {k: list(v) for k, v in losses.items()},
+        "refused": refused,
+        "substituted": {k: asdict(v) for k, v in substituted.items()},
+    }
     header = {"format": FORMAT, "format_version": FORMAT_VERSION}
     plain = finite(header | fit.to_dict() | {"materials": told})
     texts[JSON_NAME] = json.dumps(plain, indent=2, allow_nan=False) + "\n"
@@ -144,20 +179,36 @@ def save_fit(
             from gonio.reporting.fit_page import render_fit  # noqa: PLC0415
 
             interruptible(
-                lambda: render_fit(fit, sample, out=staged / PAGE_NAME, refused=refused, losses=losses)
+                lambda: render_fit(
+                    fit,
+                    sample,
+                    out=staged / PAGE_NAME,
+                    refused=refused,
+                    losses={
+                        k: (*((substituted[k].text,) if k in substituted else ()), *v)
+                        for k, v in losses.items()
+                    },
+                )
             )
             texts[PAGE_NAME] = ""
     progress("writing", 1, 1)
-    return SavedFit(Path(out), tuple(sorted(texts)), losses, refused)
+    return SavedFit(Path(out), tuple(sorted(texts)), losses, refused, substituted)
 
 
-def read_fitted_model(path: str | os.PathLike[str]) -> Bsdf:
+def read_fitted_model(
+    path: str | os.PathLike[str], *, measurement: str | os.PathLike[str] | None = None
+) -> Bsdf:
     """Read the model of a fit that `save_fit` wrote: a directory, or its fit.json.
+
+    `measurement` is the directory of the measurement to draw it over: a fit of other readings is refused.
+    A fit of readings in memory names no file; then its channels have to be those of the measurement.
 
     Raises
     ------
     FormatError
         It is no file of a fit, or damaged.
+    DomainError
+        The fit is of another measurement.
     OSError
         The operating system refuses.
     """
@@ -174,9 +225,37 @@ def read_fitted_model(path: str | os.PathLike[str]) -> Bsdf:
             f"{file}: format_version: found {plain.get('format_version')!r}, allowed {FORMAT_VERSION}"
         )
     try:
+        if measurement is not None:
+            _require_same(file, plain, Path(measurement))
         return analytic(*plain["parts"])
+    except DomainError:
+        raise
     except (KeyError, TypeError, _native.GonioError) as error:
         raise FormatError(f"{file}: found a damaged fit ({error})") from error
+
+
+def _require_same(file: Path, plain: Mapping[str, Any], measurement: Path) -> None:
+    """Refuse the fit `plain` of `file` where it is not of the measurement in that directory."""
+    fitted: Mapping[str, Any] = next(
+        (i for i in plain["provenance"]["inputs"] if i.get("role") == "measurement"), {}
+    )
+    header = measurement / MEASUREMENT_NAME
+    if "sha256" in fitted and header.is_file():
+        here = sha256(header)
+        if fitted["sha256"] != here:
+            raise DomainError(
+                f"{file}: provenance.inputs: found a fit of {fitted.get('path', fitted['name'])} (SHA-256 "
+                f"{fitted['sha256'][:12]}…), allowed one of {header} ({here[:12]}…): fit this measurement "
+                "with gonio fit"
+            )
+    elif "sha256" not in fitted:
+        channels = Measurement.load(measurement).channels
+        other = [c for c in plain["channels"] if c not in channels]
+        if other:
+            raise DomainError(
+                f"{file}: channels: found {', '.join(other)}, allowed those of {measurement}: "
+                f"{', '.join(channels)}: fit this measurement with gonio fit"
+            )
 
 
 def _label(sample: Measurement | None, model: str) -> str:
@@ -190,12 +269,13 @@ def word(text: str) -> str:
     return re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower() or "material"
 
 
-def _comments(fit: Fit, losses: tuple[str, ...]) -> str:
-    """The head of the Radiance file: what the numbers are and what they do not hold."""
-    lines = [f"gonio fit: {fit.title} ({fit.model}), {fit.readings} readings, {', '.join(fit.channels)}"]
+def _head(fit: Fit, losses: tuple[str, ...], substitute: Substitute | None) -> list[str]:
+    """The head of a material's file: what the numbers are and what they do not hold."""
+    lines = [] if substitute is None else [f"note: {substitute.text}"]
+    lines += [f"gonio fit: {fit.title} ({fit.model}), {fit.readings} readings, {', '.join(fit.channels)}"]
     for e in fit.estimates:
         unit = "" if e.unit == "1" else f" {e.unit}"
         lines.append(f"{e.label} = {e.value:.6g}{unit}, 95 % in {e.low:.4g} to {e.high:.4g} ({e.kind})")
     lines += [f"lost: {loss}" for loss in losses]
     lines += [f"warning: {w.text}" for w in fit.warnings]
-    return "".join(f"# {' '.join(line.split())}\n" for line in lines)
+    return [" ".join(line.split()) for line in lines]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from gonio._native import DomainError, RadianceMaterial
 from gonio.fit_colour import Palette, Triple
+from gonio.fit_known import NEGLIGIBLE, require_known
 from gonio.fit_results import Fit
 
 LOST = 0.01
@@ -25,7 +26,12 @@ class MappedRadiance:
 
 
 def radiance_material(
-    fit: Fit, *, name: str = "material", colour: Triple | None = None, illuminant: str = "D65"
+    fit: Fit,
+    *,
+    name: str = "material",
+    colour: Triple | None = None,
+    illuminant: str = "D65",
+    as_visible: bool = False,
 ) -> MappedRadiance:
     """Make the Radiance material of a fit.
 
@@ -36,19 +42,23 @@ def radiance_material(
     Parameters
     ----------
     fit
-        Channels photopic, red/green/blue, or wavelengths across the visible.
+        Channels photopic, red/green/blue, or wavelengths across the visible; one channel of any name with
+        `colour` or `as_visible`.
     name
         Name of the material.
     colour
-        Red, green, blue in Radiance's primaries at any scale, for a fit of the photopic channel alone; grey
+        Red, green, blue in Radiance's primaries at any scale, for a fit of one channel; photopic is grey
         without it. The lobe of plastic and trans stays uncoloured.
     illuminant
         D65, A or E: the light under which wavelengths become a colour.
+    as_visible
+        Take the one channel of the fit, such as 650nm, for the visible: grey.
 
     Raises
     ------
     DomainError
-        No such material; a colour or share above 1; channels that make no colour.
+        No such material; a colour or share above 1; channels that make no colour; a parameter of the material
+        that the fit leaves open.
     FormatError
         The wavelengths do not span the visible.
     """
@@ -58,7 +68,8 @@ def radiance_material(
             f"Radiance material: found the model {fit.model}, allowed {', '.join(_MAKERS)}: Radiance's "
             "materials have no such lobe; fit one of these, or write the data-driven model with gonio export"
         )
-    palette = Palette(fit.channels, tint=colour, illuminant=illuminant)
+    require_known(fit, "Radiance material", without=idle(fit))
+    palette = Palette(fit.channels, tint=colour, illuminant=illuminant, as_visible=as_visible)
     losses: list[str] = []
     kind, rgb, numbers, strings = make(_Source(fit, palette, losses))
     for label, value in zip(("red", "green", "blue"), rgb, strict=True):
@@ -71,6 +82,33 @@ def radiance_material(
     parameters = {"red": red, "green": green, "blue": blue} | numbers
     material = RadianceMaterial(kind, id=name, strings=strings, modifier="void", **parameters)
     return MappedRadiance(material, (*losses, *palette.warnings))
+
+
+def has_radiance(fit: Fit) -> bool:
+    """Whether a Radiance material has the form of the fitted model."""
+    return fit.model in _MAKERS
+
+
+_SHAPES = ("alpha", "alpha_x", "alpha_y", "phi_x")
+
+
+def idle(fit: Fit) -> set[str]:
+    """Parameters that change nothing because another one leaves no light for them."""
+    value = {e.name: e.value for e in fit.estimates if e.channel in (None, fit.channels[0])}
+    largest = {e.name: max(o.value for o in fit.estimates if o.name == e.name) for e in fit.estimates}
+    idle: set[str] = set()
+    if "specularity" in value:
+        spec, trans, tspec = (value.get(n, 0.0) for n in ("specularity", "trans", "tspec"))
+        if (1.0 - spec) * trans < NEGLIGIBLE:
+            idle.add("tspec")
+        if fit.model.startswith("plastic") and 1.0 - spec < NEGLIGIBLE:
+            idle.add("color")
+        if fit.model.startswith("trans") and 1.0 - spec < NEGLIGIBLE:
+            idle |= {"color", "trans"}
+        lobe = max(spec, (1.0 - spec) * trans * tspec)
+    else:
+        lobe = max(largest.get("ks", 0.0), largest.get("ts", 0.0))
+    return idle | set(_SHAPES) if lobe < NEGLIGIBLE else idle
 
 
 @dataclass

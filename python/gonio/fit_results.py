@@ -10,10 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio._native import Bsdf, FitData
+from gonio._native import Bsdf, DomainError, FitData
 
 NOTABLE = 0.8
 """Correlations from this size on are worth knowing."""
+
+SHOWN = 6
+"""Estimates in the short text of a fit."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +142,7 @@ class Correlation:
     value: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fit:
     """A fitted model with everything that is known about it.
 
@@ -210,6 +213,14 @@ class Fit:
     ranking: Ranking | None = None
     _data: FitData | None = field(default=None, repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        values = ", ".join(f"{e.label} {e.value:.4g}" for e in self.estimates[:SHOWN])
+        more = f", {len(self.estimates) - SHOWN} more" if len(self.estimates) > SHOWN else ""
+        error = self.held_out_error
+        left_out = "" if error is None else f", left-out error {100.0 * error:.3g} %"
+        ranked = "" if self.ranking is None else f", best of {len(self.ranking.fits)}"
+        return f"<Fit {self.model}: {values}{more}; {self.readings} readings{left_out}{ranked}>"
+
     @property
     def parameters(self) -> dict[str, dict[str, float]]:
         """The values of each channel by name; angles are degrees."""
@@ -238,17 +249,22 @@ class Fit:
         return tuple(sorted(pairs, key=lambda c: -abs(c.value)))
 
     def estimate(self, name: str, channel: str | None = None) -> Estimate:
-        """The estimate of that name, of `channel` where it has one a channel.
+        """The estimate of that name, of `channel` where several channels have one each.
 
         Raises
         ------
-        KeyError
-            There is none; it lists the labels there are.
+        DomainError
+            There is none, with the labels there are; or several channels have one and none is stated.
         """
-        for e in self.estimates:
-            if e.name == name and (e.channel is None or channel in (e.channel, None)):
-                return e
-        raise KeyError(f"{name}: found none, allowed {', '.join(e.label for e in self.estimates)}")
+        named = [e for e in self.estimates if e.name == name]
+        if not named:
+            names = ", ".join(dict.fromkeys(e.name for e in self.estimates))
+            raise DomainError(f"name: found {name!r}, allowed {names}")
+        found = [e for e in named if e.channel is None or channel in (e.channel, None)]
+        if len(found) != 1:
+            allowed = ", ".join(str(e.channel) for e in named)
+            raise DomainError(f"channel: found {channel or 'none'} for {name}, allowed {allowed}")
+        return found[0]
 
     def bsdf(self) -> Bsdf:
         """The fitted scattering model: evaluates, samples, exports."""
@@ -309,6 +325,8 @@ def _above(aicc: float, best: float) -> float | None:
 
 
 def _row(fit: Fit) -> dict[str, Any]:
+    from gonio.fit_materials import writable  # noqa: PLC0415  (the materials are made of these results)
+
     worst = max(fit.held_out, key=lambda h: h.relative_l1, default=None)
     return {
         "model": fit.model,
@@ -322,6 +340,7 @@ def _row(fit: Fit) -> dict[str, Any]:
         "worst_error": None if worst is None else worst.relative_l1,
         "values": fit.parameters,
         "warnings": [asdict(w) for w in fit.warnings],
+        "materials": list(writable(fit)),
     }
 
 

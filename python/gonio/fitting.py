@@ -8,11 +8,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from gonio import _native
-from gonio._native import DomainError
+from gonio._native import DomainError, FitError, FormatError
 from gonio.checking import MeasurementOrPath
 from gonio.fit_results import Fit, FitModel, FitParameter, Ranking, fit_of
 from gonio.measurement import JSON_NAME, Measurement
+from gonio.model_files import is_zemax
 from gonio.provenance import input_file, provenance
 from gonio.tabulating import tabulate
 from gonio.working import Progress, interruptible, silent
@@ -157,6 +160,7 @@ def fit(
     if not 0.0 <= retro_radius <= 180.0:
         raise DomainError(f"retro_radius: found {retro_radius:g} degrees, allowed 0 to 180")
     sample, inputs = fit_input(measurement, channels=channels)
+    _require_component(sample, component, settings["channels"])
     origin = provenance(inputs=inputs, settings={"model": model, "models": wanted} | settings)
     progress("fitting", 0, 1)
     found = interruptible(
@@ -194,10 +198,30 @@ def fit_input(
     if isinstance(measurement, Measurement):
         return measurement, [{"name": measurement.sample_name, "role": "measurement"}]
     path = Path(measurement)
+    if path.is_file() and is_zemax(path):
+        raise FormatError(
+            f"{path}: found readings (Zemax tabular BSDF), needed a processed measurement: run gonio process "
+            f"{path.name} -o out, then gonio fit out"
+        )
     if path.is_file() and _native.is_tensor_file(path):
         return tabulate(path, channels=channels), [input_file(path, role="measurement")]
     sample = Measurement.load(path)
     return sample, [input_file(path / JSON_NAME, role="measurement")]
+
+
+def _require_component(sample: Measurement, component: str | None, channels: Sequence[str]) -> None:
+    """Refuse a component of which the measurement has no reading."""
+    if component not in ("reflection", "transmission"):
+        return
+    slices = [s for s in sample if not channels or s.channel in channels]
+    reflected = (bool(np.any((s.theta_s <= 90.0) == (s.theta_i <= 90.0))) for s in slices)
+    transmitted = (bool(np.any((s.theta_s <= 90.0) != (s.theta_i <= 90.0))) for s in slices)
+    if slices and not any(reflected if component == "reflection" else transmitted):
+        other = "transmission" if component == "reflection" else "reflection"
+        raise FitError(
+            f"component: found no {component} readings in this measurement, allowed {other}: process "
+            "readings of the other side, or check the convention of theta_s"
+        )
 
 
 def _names(names: Sequence[str] | None, field: str) -> list[str]:

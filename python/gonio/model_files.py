@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from gonio import _native
-from gonio._native import Bsdf, QuantityError, Rgl
+from gonio._native import Bsdf, FormatError, QuantityError, Rgl
 from gonio.readings import PathLike
 from gonio.working import interruptible
 
 XML_FORMAT = "radiance-xml"
 RGL_FORMAT = "rgl-bsdf"
 MERL_FORMAT = "merl"
+ZEMAX_FORMAT = "zemax-bsdf"
 
 _THETA = np.arange(0.0, 86.0, 5.0)
 _PHI = np.arange(0.0, 360.0, 15.0)
@@ -69,6 +70,23 @@ def model_format(path: Path) -> str | None:
     return XML_FORMAT if start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(xml) else None
 
 
+def is_zemax(path: Path) -> bool:
+    """Whether a file is a Zemax tabular BSDF by its content: readings, not a model."""
+    try:
+        return _native.detect_format(path) == ZEMAX_FORMAT
+    except FormatError:
+        return False
+
+
+def _require_model(path: Path) -> None:
+    """Refuse a file of readings in place of a model."""
+    if model_format(path) is None and is_zemax(path):
+        raise FormatError(
+            f"{path}: found readings (Zemax tabular BSDF), needed a model: read them with gonio.read or "
+            "gonio process, which make a measurement; gonio fit and gonio build make a model of it"
+        )
+
+
 def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
     """Read a model from a file: Radiance or WINDOW BSDF XML, a material of the RGL or the MERL database.
 
@@ -97,6 +115,7 @@ def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
         return _rgl_with(file, channel)
     if found == MERL_FORMAT:
         return _merl_with(file, channel)[0]
+    _require_model(file)
     return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or "photopic"))
 
 
@@ -130,6 +149,7 @@ def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
         return _merl(path, channel)
     if found == RGL_FORMAT:
         return _rgl(_rgl_with(path, channel), [channel] if channel else None)
+    _require_model(path)
     # A file without any channel is refused by the reader, which says why.
     channels = [channel] if channel else _native.radiance_xml_channels(path) or ["photopic"]
     models = [_native.read_radiance_xml(path, channel=c) for c in channels]

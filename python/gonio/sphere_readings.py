@@ -50,6 +50,15 @@ class RadianceParameters:
         DomainError
             A parameter out of Radiance's range, such as a colour above 1.
         """
+        colour = {"red": self.red, "green": self.green, "blue": self.blue}
+        name = max(colour, key=lambda c: colour[c])
+        if colour[name] > 1.0:
+            level = luminance((self.red, self.green, self.blue))
+            raise DomainError(
+                f"rgb: found {self.red:.4g} {self.green:.4g} {self.blue:.4g} for {self.material}, {name} "
+                "above 1: the colour is too saturated for this reflectance; allowed one nearer to grey, "
+                f"whose largest component is at most {1.0 / level:.3g} times its luminance"
+            )
         return RadianceMaterial(
             self.material,
             id=id,
@@ -309,6 +318,10 @@ def _radiance(
     return RadianceParameters(material, r, g, b, spec, alpha)
 
 
+def _expanded(u: float) -> str:
+    return f" ± {2 * u:.4f}, k = 2" if u > 0.0 else ""
+
+
 def _warnings(r: SphereResult) -> list[str]:
     found = []
     port = math.radians(r.port_half_angle)
@@ -328,7 +341,7 @@ def _warnings(r: SphereResult) -> list[str]:
         )
     if r.specularity < 0.0:
         found.append(
-            f"the specularity is negative ({r.specularity:.4f} ± {2 * r.u:.4f}, k = 2): less light left "
+            f"the specularity is negative ({r.specularity:.4f}{_expanded(r.u)}): less light left "
             "through the "
             "port than diffuse reflection alone sends there"
         )

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 _STILL_GROWING = 1.2
 _KURTOSIS = 0.5
 _STEPS_A_CUTOFF = 4.0
+_COHERENT = 0.01
 _LENGTHS_A_BLOCK = 10.0
 _LENGTH_DIFFERENCE = 0.2
 _ANISOTROPY = 0.05
@@ -364,12 +365,11 @@ def _warnings(r: Roughness, block: float) -> list[str]:
             "other one; alpha grows with finer sampling (noise does so, too): sample finer or state a longer "
             "lambda_s"
         )
-    if r.rms < r.wavelength * 1e-3:
+    if r.coherent > _COHERENT:
         found.append(
-            f"RMS roughness {1000 * r.rms:.3g} nm is below the wavelength {r.wavelength:g} nm: a micro-facet "
-            "lobe of this alpha "
-            f"is not to be expected; {100 * r.coherent:.2g} % of the reflected light stays in the mirror "
-            "direction"
+            f"RMS roughness {1000 * r.rms:.3g} nm leaves {100 * r.coherent:.2g} % of the reflected light at "
+            f"{r.wavelength:g} nm in the mirror direction: a micro-facet lobe of this alpha is to be "
+            "expected of the rest at most"
         )
     known = [t for t in r.correlation_length if t is not None]
     if len(known) < len(r.correlation_length):

@@ -45,8 +45,23 @@ def test_exact_values_give_the_parameters_they_were_made_with(found):
         assert e.low < value < e.high
         assert e.kind == "value"
     assert found.parameters == {"photopic": pytest.approx(TRUTH, rel=1e-5)}
-    with pytest.raises(KeyError, match="specularity"):
+    with pytest.raises(gonio.DomainError, match="found 'gloss', allowed color, specularity"):
         found.estimate("gloss")
+
+
+def test_the_text_of_a_fit_is_short(found):
+    assert str(found) == repr(found)
+    assert str(found).startswith("<Fit plastic: color (photopic) 0.43")
+    assert len(str(found)) < 200
+
+
+def test_the_estimate_of_one_of_several_channels_asks_for_it():
+    model = gonio.analytic({"model": "lambert", "rho": {"red": 0.5, "green": 0.3, "blue": 0.1}})
+    f = gonio.fit(gonio.tabulate(model, pitch=20, peak_pitch=20), model="lambert", held_out=False)
+    assert f.estimate("kd", "green").value == pytest.approx(0.3, rel=1e-4)
+    for channel, says in ((None, "found none for kd"), ("photopic", "found photopic for kd")):
+        with pytest.raises(gonio.DomainError, match=f"channel: {says}, allowed red, green, blue"):
+            f.estimate("kd", channel)
 
 
 def test_the_fitted_model_and_its_parts_are_the_material(found):

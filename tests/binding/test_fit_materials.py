@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ET
 import gonio
 import numpy as np
 import pytest
+from gonio.fit_materials import writable
 from gonio.fit_mitsuba import mitsuba_material
 from gonio.fit_outputs import read_fitted_model, save_fit
 from gonio.fit_radiance import radiance_material
@@ -25,6 +26,39 @@ def plastic():
 @pytest.fixture(scope="module")
 def found(plastic):
     return gonio.fit(plastic, model="plastic")
+
+
+def with_estimate(found, name, **changes):
+    """The fit, with one estimate changed."""
+    estimates = tuple(dataclasses.replace(e, **changes) if e.name == name else e for e in found.estimates)
+    return dataclasses.replace(found, estimates=estimates)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "says"),
+    [
+        ("color", {"kind": "undetermined"}, r"color \(photopic\): found undetermined.*--fix color=VALUE"),
+        (
+            "specularity",
+            {"value": 1.0, "u": 1e8},
+            r"specularity: found 1 with a standard uncertainty of 1e\+08",
+        ),
+        ("alpha", {"kind": "undetermined"}, "alpha: found undetermined"),
+    ],
+)
+def test_a_fit_that_leaves_a_parameter_open_is_no_material(found, name, changes, says):
+    opened = with_estimate(found, name, **changes)
+    with pytest.raises(gonio.DomainError, match="Radiance material: " + says):
+        radiance_material(opened)
+    assert writable(opened) == ()
+    assert writable(found) == ("Radiance",)
+    with pytest.raises(gonio.DomainError, match="Mitsuba material: " + says):
+        mitsuba_material(of(opened, "ggx", MATT, GGX))
+
+
+def test_the_width_of_a_lobe_without_light_may_be_open(found):
+    matt = with_estimate(with_estimate(found, "specularity", value=0.0, u=1e-5), "alpha", kind="undetermined")
+    assert radiance_material(matt).material.parameters["spec"] == 0.0
 
 
 def of(found, model, *parts):

@@ -42,6 +42,24 @@ def test_specularity_writes_a_radiance_material(run, tmp_path):
     assert text.startswith("# gonio specularity: 0.0")
 
 
+def test_an_uncertainty_that_nobody_stated_is_not_printed_as_zero(run, tmp_path):
+    paint = (*SPHERE, "--rgb", "1,0.5,0.25", "--alpha", 0.02, "-o", "paint.rad")
+    done = run(*paint)
+    assert done.out.count("(uncertainty not stated)") == 2
+    assert "±" not in done.out
+    assert "(uncertainty not stated)" in (tmp_path / "paint.rad").read_text().splitlines()[0]
+    done = run(*paint, "--u-total", 0.005)
+    assert done.out.count("(k = 2)") == 2
+    assert "not stated" not in done.out
+    assert "(k = 2)" in (tmp_path / "paint.rad").read_text().splitlines()[0]
+
+
+def test_a_colour_too_saturated_for_the_reflectance_is_told(run, tmp_path):
+    done = run(*SPHERE, "--rgb", "1,0,0", "--alpha", 0.02, "-o", "paint.rad")
+    one_clear_error(done, "rgb", "red above 1", "too saturated for this reflectance")
+    assert listing(tmp_path) == []
+
+
 def test_specularity_as_json_carries_the_budget(run):
     done = run(*SPHERE, "--u-total", 0.005, "--json")
     found = json.loads(done.out)
@@ -85,7 +103,7 @@ def test_colour_as_json_carries_the_illuminant(run, spectrum):
         (("specularity", "--total", 55, "--diffuse", 50, "--port", 5), ("rho_total", "55", "percent")),
         ((*SPHERE, "--rgb", "1,2"), ("--rgb", "R,G,B")),
         ((*SPHERE, "-o", "m.rad"), ("--out", "--rgb")),
-        ((*SPHERE, "--rgb", "1,0,0", "-o", "m.rad"), ("red", "allowed 0 to 1")),
+        ((*SPHERE, "--rgb", "1,0,0", "-o", "m.rad"), ("red", "too saturated")),
         ((*SPHERE, "--material", "wood"), ("wood",)),
         ((*SPHERE, "--alpha", 0.9), ("alpha", "cannot tell them apart")),
         (("specularity", "--total", 0.5, "--port", 5), ("--diffuse",)),

@@ -200,7 +200,16 @@ def test_a_surface_smoother_than_the_wavelength_is_told_with_what_stays_specular
     z = gaussian_map(n=1024, step=1.0, sigma=0.02, tau=10.0, seed=15)
     found = gonio.roughness(z, spacing=1.0, lambda_s=4.0, wavelength=550.0, **UM)
     assert found.coherent == pytest.approx(np.exp(-((4 * np.pi * found.rms / 0.55) ** 2)), rel=1e-12)
-    assert any("below the wavelength" in w for w in found.warnings)
+    assert any(f"leaves {100 * found.coherent:.2g} % of the reflected light" in w for w in found.warnings)
+
+
+def test_a_surface_that_leaves_nothing_in_the_mirror_direction_is_all_facets():
+    """494 nm of height are below a wavelength of 550 nm, and leave exp(-127) in the mirror direction."""
+    z = gaussian_map(n=1024, step=1.0, sigma=0.494, tau=10.0, seed=15)
+    found = gonio.roughness(z, spacing=1.0, lambda_s=4.0, wavelength=550.0, **UM)
+    assert found.rms < 0.55
+    assert found.coherent < 1e-40
+    assert not any("mirror direction" in w for w in found.warnings)
 
 
 def test_slopes_that_are_not_gaussian_are_told():

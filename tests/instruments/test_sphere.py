@@ -205,7 +205,9 @@ def test_a_colour_that_no_radiance_material_has_is_told_and_refused():
         rho_total=0.95, rho_diffuse=0.9, port_half_angle=5.0, alpha=0.02, rgb=(1, 0.1, 0.1)
     )
     assert any("above 1" in w for w in found.warnings)
-    with pytest.raises(gonio.DomainError, match="red"):
+    with pytest.raises(
+        gonio.DomainError, match="red above 1: the colour is too saturated for this reflectance"
+    ):
         found.radiance.to_material("paint")
 
 

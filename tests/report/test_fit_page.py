@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from gonio.fit_outputs import save_fit
 from gonio.materials import material
+from gonio.reporting import fit_figures
 from gonio.reporting.fit_figures import LIMITS, limit_of, relative_residuals
 from matplotlib.image import imread
 
@@ -49,6 +50,42 @@ def test_every_parameter_model_and_residual_has_its_row(page):
         name = f.model.replace("+", "+\u200b")
         assert f'<th scope="row">{name}<' in text
     assert len(re.findall(r"<tr><td class=\"num\">", text)) == len(found.residuals) == 4
+
+
+def test_a_sample_without_a_name_has_that_of_its_directory(tmp_path):
+    sample = gonio.tabulate(
+        material("lambert").bsdf, incidences=[(15, 0), (50, 0)], pitch=20, sample_name=None
+    )
+    sample.save(tmp_path / "panel_7")
+    save_fit(
+        gonio.fit(tmp_path / "panel_7", model="lambert"), out=tmp_path / "f", measurement=tmp_path / "panel_7"
+    )
+    assert "<h1>panel_7</h1>" in (tmp_path / "f" / "residuals.html").read_text(encoding="utf-8")
+
+
+def test_the_errors_are_labelled_with_plain_numbers(page, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(fit_figures, "_png", drawn.append)
+    fit_figures.errors_figure(page[0].ranking.fits)
+    figure = drawn[0]
+    figure.draw_without_rendering()
+    axis = figure.axes[0].yaxis
+    labels = [
+        t.get_text() for t in (*axis.get_majorticklabels(), *axis.get_minorticklabels()) if t.get_text()
+    ]
+    assert labels
+    for label in labels:
+        assert float(label) > 0.0
+        assert "e" not in label or float(label) < 1e-4
+
+
+def test_printed_tables_are_whole(page):
+    """Paper does not scroll: the box that does on the screen has neither a height nor an edge there."""
+    style = re.search(r"<style>(.*)</style>", page[1], re.S).group(1)
+    on_paper = style[style.rindex("@media print") :]
+    assert re.search(r"\.scroll \{ max-height: none; overflow: visible; \}", on_paper)
+    assert ".numbers .num" in on_paper
+    assert "white-space: normal" in on_paper
 
 
 def test_every_slice_has_a_picture_and_so_have_the_errors(page):

@@ -10,6 +10,7 @@ import typer
 import gonio
 from gonio.cli.running import Force, Json, out, pairs, print_json, progress_bar, warn
 from gonio.colours import ILLUMINANTS
+from gonio.fit_colour import check_tint
 from gonio.fit_outputs import save_fit
 from gonio.fitting import LOSSES, METRICS, WEIGHTS
 
@@ -65,12 +66,19 @@ def fit(
     ] = True,
     colour: Annotated[
         str | None,
-        typer.Option(metavar="R,G,B", help="Colour at any scale for the materials of a photopic fit."),
+        typer.Option(metavar="R,G,B", help="Colour at any scale for the materials of a fit of one channel."),
     ] = None,
     colour_from: Annotated[
         Path | None, typer.Option("--colour-from", help="The same from a spectrum (text file, first column).")
     ] = None,
     illuminant: Annotated[str, typer.Option(help=f"{', '.join(ILLUMINANTS)}.")] = "D65",
+    as_visible: Annotated[
+        bool,
+        typer.Option(
+            "--as-visible",
+            help="Take the one channel of the fit, such as 650nm, for the visible: grey materials.",
+        ),
+    ] = False,
     name: Annotated[str | None, typer.Option(help="Name of the material in the written files.")] = None,
     force: Force = False,
     json: Json = False,
@@ -81,6 +89,10 @@ def fit(
     if tint is not None and to is None:
         raise typer.BadParameter(
             "only the written materials have a colour: give --out", param_hint="--colour"
+        )
+    if as_visible and to is None:
+        raise typer.BadParameter(
+            "only the written materials are labelled: give --out", param_hint="--as-visible"
         )
     with progress_bar(hidden=json) as progress:
         found = gonio.fit(
@@ -108,6 +120,7 @@ def fit(
                 name=name,
                 colour=tint,
                 illuminant=illuminant,
+                as_visible=as_visible,
                 force=force,
                 progress=progress,
             )
@@ -121,6 +134,8 @@ def fit(
     if saved is not None:
         for file, reason in saved.refused.items():
             out.print(f"no {file}: {reason}")
+        for file, substitute in saved.substituted.items():
+            out.print(f"{file}: {substitute.text}", style="bold")
         for file, losses in saved.losses.items():
             for text in losses:
                 out.print(f"{file}: {text}")
@@ -166,13 +181,14 @@ def _print_ranking(ranking: gonio.Ranking) -> None:
     """Every model with its errors, then what they say."""
     rows = ranking.to_dict()["models"]
     width = max(len("model"), *(len(row["model"]) for row in rows))
-    out.print(f"  {'model':<{width}}  {'left-out error':>14}  {'worst at':>20}  {'AICc':>9}")
+    out.print(f"  {'model':<{width}}  {'left-out error':>14}  {'worst at':>20}  {'AICc':>9}  written for")
     for row in rows[:SHOWN]:
         error, worst = row["held_out_error"], row["worst_error"]
         shown = "-" if error is None else f"{100 * error:.2f} %"
         at = "-" if worst is None else f"{row['worst_theta_i']:.4g} deg: {100 * worst:.2f} %"
+        programs = ", ".join(row["materials"]) or "-"
         delta = "-" if row["delta_aicc"] is None else f"{row['delta_aicc']:+.1f}"
-        out.print(f"  {row['model']:<{width}}  {shown:>14}  {at:>20}  {delta:>9}")
+        out.print(f"  {row['model']:<{width}}  {shown:>14}  {at:>20}  {delta:>9}  {programs}")
     if len(rows) > SHOWN:
         out.print(f"  and {len(rows) - SHOWN} that fit worse")
     for model, reason in ranking.failed.items():
@@ -203,4 +219,5 @@ def _tint(colour: str | None, colour_from: Path | None, illuminant: str) -> tupl
         red, green, blue = (float(part) for part in colour.split(","))
     except ValueError:
         raise typer.BadParameter(f"found {colour!r}, allowed R,G,B", param_hint="--colour") from None
+    check_tint((red, green, blue))
     return red, green, blue

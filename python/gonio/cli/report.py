@@ -26,7 +26,7 @@ def report(
 ) -> None:
     """Write the report of a measurement as one HTML file."""
     target = measurement / "report.html" if to is None else to
-    model = None if fit is None else read_fitted_model(fit)
+    model = None if fit is None else read_fitted_model(fit, measurement=measurement)
     with progress_bar(hidden=json) as progress:
         path = gonio.report(measurement, out=target, model=model, title=title, progress=progress)
     if json:

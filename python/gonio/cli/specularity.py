@@ -71,14 +71,14 @@ def specularity(
         material=MATERIALS[material],
     )
     if target is not None and found.radiance is not None:
-        comment = f"gonio specularity: {found.specularity:.4f} +- {2 * found.u:.4f} (k = 2)"
+        comment = f"gonio specularity: {_stated(found.specularity, found.u, sign='+-')}"
         gonio.write_materials(target, found.radiance.to_material(name), comment=comment)
     if json:
         print_json(found.to_dict())
         return
     warn(found.warnings)
-    out.print(f"specularity         {found.specularity:.4f} ± {2 * found.u:.4f} (k = 2)", style="bold")
-    out.print(f"  diffuse           {found.rho_diffuse:.4f} ± {2 * found.u_rho_diffuse:.4f} (k = 2)")
+    out.print(f"specularity         {_stated(found.specularity, found.u)}", style="bold")
+    out.print(f"  diffuse           {_stated(found.rho_diffuse, found.u_rho_diffuse)}")
     out.print(f"  lobe              {found.rho_lobe:.4f} at theta_i {found.theta_i:g}")
     out.print(f"  total             {found.rho_total:.4f}")
     out.print(f"  through the port  {100 * found.lobe_in_port:.1f} % of the lobe, ", end="")
@@ -90,6 +90,11 @@ def specularity(
         p = found.radiance
         colour = f"{p.red:.4f} {p.green:.4f} {p.blue:.4f}"
         out.print(f"  {p.material}  5  {colour}  {p.specularity:.4f} {p.roughness:.4g}")
+
+
+def _stated(value: float, u: float, *, sign: str = "±") -> str:
+    """The value with its expanded uncertainty, if any input states one."""
+    return f"{value:.4f} {sign} {2 * u:.4f} (k = 2)" if u > 0.0 else f"{value:.4f} (uncertainty not stated)"
 
 
 def _three(text: str) -> tuple[float, float, float]:

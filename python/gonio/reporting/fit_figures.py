@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from matplotlib.ticker import FuncFormatter, NullFormatter
 from matplotlib.tri import Triangulation
 
 from gonio._drawing import figures
@@ -181,6 +182,11 @@ def errors_figure(fits: Sequence[Fit]) -> str | None:
         if len(levels) < len(theta):
             ax.plot(theta, error, ".", color=line[0].get_color(), markersize=3, alpha=0.5)
     ax.set_yscale("log")
+    ends = ax.get_ylim()
+    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    ax.yaxis.set_major_formatter(plain)
+    # One decade or less has too few decades to be read by.
+    ax.yaxis.set_minor_formatter(plain if ends[1] < 15.0 * ends[0] else NullFormatter())
     ax.set(xlabel="Left-out angle of incidence θi [deg]", ylabel="Relative L1 error [%]")
     ax.grid(color="#d9dee5", linewidth=0.6, which="both")
     ax.legend(frameon=False, fontsize="small", ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))

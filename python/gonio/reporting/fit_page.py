@@ -12,7 +12,7 @@ from gonio._drawing.shapes import Snapshot, snapshot
 from gonio._native import DomainError
 from gonio.files import replacing_file
 from gonio.fit_results import Estimate, Fit, SliceResidual
-from gonio.measurement import Measurement
+from gonio.measurement import JSON_NAME, Measurement
 from gonio.reporting import fit_figures, provenance
 from gonio.reporting.header import grouped
 from gonio.reporting.page import environment, static
@@ -73,7 +73,7 @@ def render_fit(
         environment()
         .get_template("fit.html.j2")
         .render(
-            title=measurement.sample_name or "unnamed sample",
+            title=measurement.sample_name or _file_name(fit) or "unnamed sample",
             sentence=_symbols(ranking["sentence"] if ranking else _sentence(fit)).replace("+", "+\u200b"),
             status="warn" if fit.warnings or not fit.converged else "pass",
             facts=[(label, value) for label, value in facts if value],
@@ -103,6 +103,15 @@ def render_fit(
     with replacing_file(out) as temporary:
         temporary.write_text(page, encoding="utf-8", newline="\n")
     return out
+
+
+def _file_name(fit: Fit) -> str | None:
+    """Name of the file or directory that was fitted."""
+    for given in fit.provenance.get("inputs", ()):
+        if given.get("role") == "measurement" and "path" in given:
+            path = Path(given["path"])
+            return path.resolve().parent.name if path.name == JSON_NAME else path.stem
+    return None
 
 
 def _drawn(fit: Fit, slices: Sequence[Snapshot]) -> list[int]:
