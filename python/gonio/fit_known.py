@@ -40,6 +40,9 @@ def require_known(fit: Fit, what: str, *, without: Collection[str] = ()) -> None
 
 
 def _open(e: Estimate) -> str | None:
+    # Reflectance depends on k squared: at k = 0, no absorption, its derivative says nothing of the readings.
+    if e.role == "index" and abs(e.value) < NEGLIGIBLE:
+        return None
     if e.kind == "undetermined":
         return "undetermined (the readings do not depend on it)"
     if e.kind == "value" and e.role in ("amplitude", "width") and e.u > max(abs(e.value), UNKNOWN):

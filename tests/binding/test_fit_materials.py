@@ -56,6 +56,17 @@ def test_a_fit_that_leaves_a_parameter_open_is_no_material(found, name, changes,
         mitsuba_material(of(opened, "ggx", MATT, GGX))
 
 
+def test_facets_without_absorption_are_a_material_although_no_slope_tells_k():
+    parts = {"model": "lambert", "rho": 0.2}, {"model": "ggx-conductor", "eta": 3.4, "k": 0.0, "alpha": 0.3}
+    sample = gonio.tabulate(
+        gonio.analytic(*parts), incidences=[(15, 0), (40, 0), (60, 0)], pitch=10, peak_pitch=2
+    )
+    f = gonio.fit(sample, model="ggx-conductor", held_out=False)
+    assert f.estimate("k").value == pytest.approx(0.0, abs=1e-3)
+    surface = mitsuba_material(f).material["bsdf"]["bsdf_1"]
+    assert surface["eta"]["value"] == pytest.approx([3.4] * 3, rel=1e-3)
+
+
 def test_the_width_of_a_lobe_without_light_may_be_open(found):
     matt = with_estimate(with_estimate(found, "specularity", value=0.0, u=1e-5), "alpha", kind="undetermined")
     assert radiance_material(matt).material.parameters["spec"] == 0.0
