@@ -201,13 +201,22 @@ fn the_mean_weight_is_the_albedo_by_t_test() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
-/// The whole grid at ten million samples a case: half an hour of both cores, so only when asked for. Writes one line
-/// a case to the file that `GONIO_SAMPLERS` names.
+/// The cases of the tests above at ten million samples each; only when asked for.
 #[test]
-#[ignore = "half an hour; `make validate` runs it"]
-fn the_whole_grid_at_ten_million_samples() {
-    let samples = samples_or(10_000_000);
-    let cases = all_cases();
+#[ignore = "a quarter of an hour; `make validate` runs it"]
+fn some_cases_at_ten_million_samples() {
+    report(&some_cases(), samples_or(10_000_000));
+}
+
+/// Every setting at every incidence at a million samples; only when asked for.
+#[test]
+#[ignore = "a quarter of an hour; `make validate` runs it"]
+fn the_whole_grid_at_a_million_samples() {
+    report(&all_cases(), samples_or(1_000_000));
+}
+
+/// Judges the cases and writes one line each to the file that `GONIO_SAMPLERS` names.
+fn report(cases: &[Case], samples: u64) {
     let least = sidak(FALSE_ALARM, cases.len());
     let rows: Vec<(bool, String)> = cases
         .par_iter()
