@@ -10,6 +10,7 @@ use crate::chart::Chart;
 use crate::covariance::{Covariance, covariance};
 use crate::data::FitData;
 use crate::limits::{Z95, mistrusted, profile_interval, resolution};
+use crate::metric::Metric;
 use crate::refine::{Goal, refine, settle};
 use crate::result::{Fit, OtherMetric};
 use crate::selection::phrase;
@@ -378,7 +379,13 @@ fn other_metrics(
     options: &FitOptions<'_>,
 ) -> Result<Vec<OtherMetric>, FitError> {
     let mut out = Vec::new();
-    for &metric in options.compare.iter().filter(|m| **m != options.metric) {
+    let mut compared: Vec<Metric> = options.compare.clone();
+    compared.retain(|m| *m != options.metric);
+    if compared.is_empty() && !options.compare.is_empty() {
+        // What was to be compared with is what was asked for.
+        compared.push(Metric::Chi2);
+    }
+    for metric in compared {
         let goal = Goal {
             metric,
             ..setting.goal

@@ -7,7 +7,7 @@ use gonio_geom::Component;
 use crate::data::FitData;
 use crate::fitting::Setting;
 use crate::limits::resolution;
-use crate::result::{Fit, Warning};
+use crate::result::{Fit, SliceResidual, Warning};
 use crate::{Estimate, Kind, Metric};
 
 /// Share of missing readings from which it is worth a word.
@@ -20,6 +20,10 @@ const BROAD: f64 = 0.4;
 const EVIDENCE: f64 = 3.0;
 /// Dispersion from which the model does not describe the readings within their noise.
 const MISFIT: f64 = 1.5;
+/// Share of a slice's light from which a difference is worth a word.
+const BIAS: f64 = 0.2;
+/// Ratio of peaks from which it is.
+const PEAK: f64 = 2.0;
 /// Difference between metrics, in standard uncertainties, from which the model and not the noise rules.
 const SPREAD: f64 = 3.0;
 
@@ -74,7 +78,8 @@ pub(crate) fn of(fit: &Fit, data: &FitData, setting: &Setting<'_>) -> Vec<Warnin
             ),
         );
     }
-    if fit.dispersion.is_some_and(|d| d > MISFIT) && data.slabs.iter().all(|s| s.law_known) {
+    let scatter = fit.dispersion.unwrap_or_else(|| noise_ratio(fit).powi(2));
+    if scatter > MISFIT && data.slabs.iter().all(|s| s.law_known) {
         let worst = fit
             .residuals
             .iter()
@@ -98,9 +103,56 @@ pub(crate) fn of(fit: &Fit, data: &FitData, setting: &Setting<'_>) -> Vec<Warnin
             ),
         );
     }
+    light(fit, &mut warn);
     estimates(fit, data, setting, &mut warn);
     energy(fit, data, &mut warn);
     all
+}
+
+/// Light and peaks that the model misses or adds.
+fn light(fit: &Fit, warn: &mut impl FnMut(&'static str, String)) {
+    let place = |r: &SliceResidual| {
+        format!(
+            "theta_i = {:.1} deg, channel {}, {}",
+            r.incidence.theta.to_degrees(),
+            r.channel,
+            r.component
+        )
+    };
+    let worst = fit
+        .residuals
+        .iter()
+        .filter(|r| r.bias.abs() > BIAS)
+        .max_by(|a, b| a.bias.abs().total_cmp(&b.bias.abs()));
+    if let Some(r) = worst {
+        warn(
+            "bias",
+            format!(
+                "the model holds {:.0} % {} light than the readings at {}: a material of it is too {}; another metric, a sum of \
+                 two lobes or a data-driven model may keep it",
+                100.0 * r.bias.abs(),
+                if r.bias < 0.0 { "less" } else { "more" },
+                place(r),
+                if r.bias < 0.0 { "dark" } else { "bright" },
+            ),
+        );
+    }
+    let off = |r: &SliceResidual| r.peak_ratio.ln().abs();
+    let worst = fit
+        .residuals
+        .iter()
+        .filter(|r| off(r) > PEAK.ln())
+        .max_by(|a, b| off(a).total_cmp(&off(b)));
+    if let Some(r) = worst {
+        warn(
+            "peak",
+            format!(
+                "the model's peak is {:.2e} of the highest reading at {}",
+                r.peak_ratio,
+                place(r)
+            ),
+        );
+    }
 }
 
 /// How many times the stated noise the residuals of the median slice are. Not from the dispersion: a robust loss bounds it.

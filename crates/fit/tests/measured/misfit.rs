@@ -2,6 +2,7 @@
 
 use crate::common::{Campaign, measure, rng};
 use gonio_bsdf::Channel;
+use gonio_fit::metric::Metric;
 use gonio_fit::{Fit, FitOptions, fit, fit_model};
 use gonio_scan::Measurement;
 
@@ -55,8 +56,31 @@ fn a_lobe_with_tails_too_faint_settles() {
 #[test]
 fn a_peak_that_the_model_lacks_does_not_rule_the_rest() {
     let measurement = sample("ward-gmd", &[0.05, 0.3, 0.1]);
-    let kd = run(&measurement, "lambert").estimate("kd", P).unwrap().value;
+    let found = run(&measurement, "lambert");
+    let kd = found.estimate("kd", P).unwrap().value;
     assert!(kd < 0.15, "{kd}");
+    // Light and peak are missed, and said to be; the right model misses neither.
+    assert!(found.warns("bias") && found.warns("peak"), "{:?}", found.warnings);
+    let right = run(&measurement, "ward-gmd");
+    assert!(
+        !right.warns("bias") && !right.warns("peak"),
+        "{:?}",
+        right.warnings
+    );
+}
+
+#[test]
+fn a_misfit_shows_in_every_metric() {
+    let measurement = sample("ggx", &[0.02, 0.5, 0.02]);
+    for metric in Metric::ALL {
+        let options = FitOptions {
+            metric,
+            ..FitOptions::default()
+        };
+        let found = fit(&measurement, &fit_model("plastic").unwrap(), &options).unwrap();
+        assert!(found.warns("misfit"), "{metric:?}: {:?}", found.warnings);
+        assert!(found.estimates.iter().any(|e| e.u_model > 0.0), "{metric:?}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ mod stencil;
 use glam::DVec3;
 
 use crate::delaunay::Delaunay;
-use crate::weights::{Cell, Diagram, WeightsError, for_each_group};
+use crate::weights::{Cell, Diagram, WeightsError, for_each_group, unified};
 use crate::{Direction, Side};
 use profile::Profile;
 use stencil::Stencil;
@@ -96,7 +96,7 @@ pub struct HemisphereIntegral {
 /// - `points`: unit vectors on `side`; `dsf`: 1/sr, one a point; `sigma`: standard uncertainty of each `dsf` from noise
 ///   (`None`: `u_noise` is 0); `usable`: readings to use (`None`: all). Values of unusable readings are not looked at.
 /// - The rule is exact for a Lambertian; for others it integrates, over each Voronoi cell, `|cos θ|` times a quadratic
-///   through the reading fitted to its Delaunay neighbours. Readings of equal direction are averaged.
+///   through the reading fitted to its Delaunay neighbours. Readings of equal direction (within 2e-6 rad) are averaged.
 /// - Parts of cells beyond [`IntegralOptions::reach`] are filled by the profile of the lobe (see
 ///   [`IntegralOptions::wi`]) and reported as `extrapolated`.
 /// - `u_quadrature` is built from the differences between the rules of order 0, 1 and 2 and between ways to extrapolate;
@@ -138,6 +138,7 @@ pub fn hemisphere_integral(
     if points.is_empty() {
         return Err(IntegralError::NothingUsable { found: n });
     }
+    let points = &*unified(points);
     let original = |i: usize| kept.as_ref().map_or(i, |k| k[i] as usize);
     let delaunay = Delaunay::new(points, side).map_err(WeightsError::from)?;
     let diagram = Diagram::new(points, &delaunay);

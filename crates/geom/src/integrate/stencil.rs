@@ -6,14 +6,17 @@ use crate::weights::{Cell, Diagram, area_and_moment};
 
 /// Triangles with a side longer than this (radians) are bisected before a node is put into them.
 const FINEST: f64 = 0.03;
-/// Weight of the prior `second derivative = 0` against the neighbours, in units of the farthest neighbour: decides
-/// only the directions in which the neighbours say nothing.
+/// Weight of the prior `slope = 0`, `second derivative = 0` against the neighbours, in units of the farthest neighbour:
+/// decides only the directions in which the neighbours say nothing.
 const RIDGE: f64 = 1e-3;
+/// Squared distance, in units of that of the farthest neighbour or corner of the cell, below which a neighbour says ever less about the slope:
+/// the difference of two readings of nearly the same direction is their noise.
+const CLOSE: f64 = 4e-4;
 
 /// The rules of one cell; buffers are kept between calls.
 ///
 /// `f` around the reading is a polynomial through the reading's own value, fitted to the neighbours by least squares
-/// with weights `1 / distance²`. Its integral over the cell is linear in the neighbours' values:
+/// with weights `1 / distance²`, less for very close ones ([`CLOSE`]). Its integral over the cell is linear in the neighbours' values:
 /// `∫ f |cos θ| dω = measured f_i + Σ_j w_j (f_j - f_i)` with `w = linear` (gradient) or `quadratic` (gradient and
 /// second derivatives).
 #[derive(Default)]
@@ -102,17 +105,18 @@ impl Stencil {
             let (u, v) = (d.dot(t1), d.dot(t2));
             let d2 = u * u + v * v;
             farthest = farthest.max(d2);
-            let w = if d2 > 0.0 { 1.0 / d2 } else { 0.0 };
-            self.rows.push([u, v, 0.5 * u * u, u * v, 0.5 * v * v, w]);
+            self.rows.push([u, v, 0.5 * u * u, u * v, 0.5 * v * v, d2]);
         }
         if farthest == 0.0 {
             self.linear.resize(self.rows.len(), 0.0);
             self.quadratic.resize(self.rows.len(), 0.0);
             return;
         }
-        let scale = 1.0 / farthest.sqrt();
+        let extent2 = farthest.max(cell.reach(p).powi(2));
+        let scale = 1.0 / extent2.sqrt();
         let mut normal = [[0.0; 5]; 5];
         for row in &mut self.rows {
+            row[5] = 1.0 / (row[5] + CLOSE * extent2);
             for x in &mut row[2..5] {
                 *x *= scale;
             }
@@ -124,7 +128,7 @@ impl Stencil {
         }
         let m = [m[0], m[1], m[2] * scale, m[3] * scale, m[4] * scale];
         for (a, row) in normal.iter_mut().enumerate() {
-            row[a] += if a < 2 { 1e-9 } else { RIDGE };
+            row[a] += RIDGE;
         }
         let y = solve::<2>(&normal, &m);
         self.linear

@@ -181,3 +181,61 @@ fn every_bad_array_has_its_error() {
         IntegralError::NothingUsable { .. } | IntegralError::Weights(_)
     ));
 }
+
+/// A grid of rings 5 degrees apart with noise of 1 %, and beside it `extra` readings close together.
+fn with_close_readings(extra: &[DVec3]) -> HemisphereIntegral {
+    let mut points: Vec<DVec3> = Vec::new();
+    for ring in 1..18 {
+        points.extend((0..24).map(|k| Direction::from_degrees(f64::from(5 * ring), f64::from(15 * k)).vec()));
+    }
+    points.extend(extra);
+    let side = if extra[0].z < 0.0 { Side::Back } else { Side::Front };
+    if side == Side::Back {
+        points[..17 * 24].iter_mut().for_each(|p| p.z = -p.z);
+    }
+    // Even noise without a generator: fractions of multiples of the golden ratio.
+    let noise = |k: usize| 0.01 * 3f64.sqrt() * (2.0 * (0.618_033_988_75 * k as f64).fract() - 1.0);
+    let dsf: Vec<f64> = points
+        .iter()
+        .enumerate()
+        .map(|(k, p)| 0.3 * p.z.abs() * (1.0 + noise(k)))
+        .collect();
+    let sigma: Vec<f64> = dsf.iter().map(|d| 0.01 * d).collect();
+    let options = IntegralOptions::default();
+    hemisphere_integral(&points, &dsf, Some(&sigma), None, side, &options).unwrap()
+}
+
+#[test]
+fn readings_of_nearly_the_same_direction_count_as_their_mean() {
+    let truth = 0.3 * PI;
+    let mut clusters: Vec<Vec<DVec3>> = Vec::new();
+    for nadir in [0.0, 180.0] {
+        // The same pole under 24 azimuths: equal up to rounding.
+        let pole = |k: i32| Direction::from_degrees(nadir, f64::from(15 * k)).vec();
+        clusters.push((0..24).map(pole).collect());
+    }
+    for apart in [1e-9, 1e-7, 1e-5, 1e-3, 2e-3, 0.01, 0.05, 0.5] {
+        for theta in [0.0, 40.0] {
+            let near = |k: i32| {
+                let k = f64::from(k);
+                Direction::from_degrees(
+                    theta + apart * (k * 0.618).fract(),
+                    20.0 + apart * (k * 0.414).fract(),
+                )
+            };
+            clusters.push((0..20).map(|k| near(k).vec()).collect());
+            clusters.push((0..2).map(|k| near(k).vec()).collect());
+        }
+    }
+    for extra in &clusters {
+        let r = with_close_readings(extra);
+        let u = r.u_noise.hypot(r.u_quadrature);
+        assert!(
+            (r.value - truth).abs() < 0.005 * truth && u < 0.005 * truth,
+            "{} readings from {:?} to {:?}: {r:?}, {truth}",
+            extra.len(),
+            extra[0],
+            extra[1],
+        );
+    }
+}

@@ -1,5 +1,6 @@
 //! Solid-angle weights of scattered directions: exact spherical Voronoi cells of a hemisphere.
 
+mod close;
 mod patch;
 mod polygon;
 mod voronoi;
@@ -8,6 +9,7 @@ use glam::DVec3;
 
 use crate::Side;
 use crate::delaunay::{Delaunay, DelaunayError};
+pub(crate) use close::unified;
 pub use patch::{PatchWeights, patch_weights};
 pub(crate) use polygon::area_and_moment;
 pub(crate) use voronoi::{Cell, Diagram};
@@ -69,7 +71,7 @@ impl Cells {
 /// The exact Voronoi cell of every point, clipped to the hemisphere `side`.
 ///
 /// `points` are unit vectors on `side` (the horizon belongs to both sides), any number from one, anywhere: the
-/// same direction several times, all on a circle, all in a small patch. Ω and Ω⊥ of a cell are exact to rounding
+/// same direction several times (or within 2e-6 rad, which counts as the same), all on a circle, all in a small patch. Ω and Ω⊥ of a cell are exact to rounding
 /// (`1e-12` relative for cells of 0.1°); the sums to 2π and π hold to `1e-9`.
 ///
 /// # Errors
@@ -78,6 +80,7 @@ pub fn hemisphere_cells(points: &[DVec3], side: Side) -> Result<Cells, WeightsEr
     if points.is_empty() {
         return Err(WeightsError::Empty);
     }
+    let points = &*unified(points);
     let delaunay = Delaunay::new(points, side)?;
     let diagram = Diagram::new(points, &delaunay);
     let n = points.len();
