@@ -8,7 +8,9 @@ use std::str::FromStr;
 use gonio_scan::Scan;
 
 use crate::error::open;
-use crate::{IoError, ReadOptions, excerpt, gonio_raw, mountain, nist_ptfe, table, tensor_file, zemax};
+use crate::{
+    IoError, ReadOptions, excerpt, gonio_raw, mountain, nist_ptfe, speos, table, tensor_file, zemax,
+};
 
 /// A format of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -21,17 +23,20 @@ pub enum Format {
     NistPtfe,
     /// Zemax OpticStudio tabular BSDF.
     Zemax,
+    /// Ansys Speos anisotropic BSDF, text.
+    Speos,
     /// A table with one row a reading.
     Table,
 }
 
 impl Format {
     /// Every format with the name the command line and Python use.
-    pub const NAMES: [(Format, &'static str); 5] = [
+    pub const NAMES: [(Format, &'static str); 6] = [
         (Format::Mountain, "mountain"),
         (Format::GonioRaw, "gonio-raw"),
         (Format::NistPtfe, "nist-ptfe"),
         (Format::Zemax, "zemax-bsdf"),
+        (Format::Speos, "speos-bsdf"),
         (Format::Table, "table"),
     ];
 
@@ -89,6 +94,9 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
     }
     if head.starts_with(nist_ptfe::MAGIC.as_bytes()) {
         return Ok(Format::NistPtfe);
+    }
+    if head.starts_with(speos::MAGIC.as_bytes()) {
+        return Ok(Format::Speos);
     }
     if zemax::is_zemax(head) {
         return Ok(Format::Zemax);
@@ -173,6 +181,7 @@ pub fn read_any(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError
         Format::GonioRaw => gonio_raw::read(path, options),
         Format::NistPtfe => nist_ptfe::read(path, options),
         Format::Zemax => zemax::read(path, options),
+        Format::Speos => speos::read(path, options),
         Format::Table => table::read(path, options),
     }
 }
@@ -187,6 +196,7 @@ pub fn parse_any(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Vec
         Format::GonioRaw => gonio_raw::parse(bytes, path, options),
         Format::NistPtfe => nist_ptfe::parse(bytes, path, options),
         Format::Zemax => zemax::parse(bytes, path, options),
+        Format::Speos => speos::parse(bytes, path, options),
         Format::Table => table::parse(bytes, path, options),
     }
 }
@@ -256,7 +266,7 @@ mod tests {
     fn a_name_that_is_no_format_lists_the_formats() {
         let text = "fits".parse::<Format>().unwrap_err().to_string();
         assert!(
-            text.contains("mountain, gonio-raw, nist-ptfe, zemax-bsdf, table"),
+            text.contains("mountain, gonio-raw, nist-ptfe, zemax-bsdf, speos-bsdf, table"),
             "{text}"
         );
     }

@@ -16,16 +16,26 @@ pub(crate) struct Words<'a> {
     comments: Vec<&'a [u8]>,
 }
 
-fn is_line_end(byte: &u8) -> bool {
-    matches!(byte, b'\n' | b'\r')
+fn line_feed(byte: &u8) -> bool {
+    *byte == b'\n'
+}
+
+fn carriage_return(byte: &u8) -> bool {
+    *byte == b'\r'
 }
 
 impl<'a> Words<'a> {
     /// The words of `bytes`; `path` is named in errors.
     pub(crate) fn new(bytes: &'a [u8], path: &'a Path) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        // a carriage return before a line feed is a blank; alone it ends the line
+        let end: fn(&u8) -> bool = if bytes.contains(&b'\n') {
+            line_feed
+        } else {
+            carriage_return
+        };
         Words {
-            lines: bytes.split(is_line_end as fn(&u8) -> bool).enumerate(),
+            lines: bytes.split(end).enumerate(),
             rest: &[],
             line: 0,
             path,
@@ -139,5 +149,17 @@ impl<'a> Words<'a> {
             out.push(x);
         }
         Ok(out)
+    }
+
+    /// The line after the current one, trimmed; what is left of the current one is passed over.
+    pub(crate) fn next_line(&mut self, field: &str) -> Result<&'a [u8], IoError> {
+        self.rest = &[];
+        match self.lines.next() {
+            Some((k, line)) => {
+                self.line = k as u64 + 1;
+                Ok(line.trim_ascii())
+            }
+            None => Err(self.fault(field, "the end of the file", "a line; is the file cut short?")),
+        }
     }
 }
