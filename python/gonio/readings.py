@@ -14,7 +14,18 @@ from gonio._native import DomainError, FormatError, Scan
 
 PathLike = str | os.PathLike[str]
 
-FORMATS = ("mountain", "gonio-raw", "nist-ptfe", "zemax-bsdf", "speos-bsdf", "table", "parquet", rt300s.FORMAT, bird.FORMAT)
+FORMATS = (
+    "mountain",
+    "gonio-raw",
+    "nist-ptfe",
+    "zemax-bsdf",
+    "speos-bsdf",
+    "astm",
+    "table",
+    "parquet",
+    rt300s.FORMAT,
+    bird.FORMAT,
+)
 """Names of the formats of readings; docs/formats has a page on each."""
 
 _EXPORTED = ["slice", "theta_i", "phi_i", "channel", "theta_s", "phi_s", "dsf"]

@@ -9,7 +9,7 @@ use gonio_scan::Scan;
 
 use crate::error::open;
 use crate::{
-    IoError, ReadOptions, excerpt, gonio_raw, mountain, nist_ptfe, speos, table, tensor_file, zemax,
+    IoError, ReadOptions, astm, excerpt, gonio_raw, mountain, nist_ptfe, speos, table, tensor_file, zemax,
 };
 
 /// A format of readings.
@@ -25,18 +25,21 @@ pub enum Format {
     Zemax,
     /// Ansys Speos anisotropic BSDF, text.
     Speos,
+    /// Text after ASTM E1392.
+    Astm,
     /// A table with one row a reading.
     Table,
 }
 
 impl Format {
     /// Every format with the name the command line and Python use.
-    pub const NAMES: [(Format, &'static str); 6] = [
+    pub const NAMES: [(Format, &'static str); 7] = [
         (Format::Mountain, "mountain"),
         (Format::GonioRaw, "gonio-raw"),
         (Format::NistPtfe, "nist-ptfe"),
         (Format::Zemax, "zemax-bsdf"),
         (Format::Speos, "speos-bsdf"),
+        (Format::Astm, "astm"),
         (Format::Table, "table"),
     ];
 
@@ -97,6 +100,9 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
     }
     if head.starts_with(speos::MAGIC.as_bytes()) {
         return Ok(Format::Speos);
+    }
+    if astm::is_astm(head) {
+        return Ok(Format::Astm);
     }
     if zemax::is_zemax(head) {
         return Ok(Format::Zemax);
@@ -182,6 +188,7 @@ pub fn read_any(path: &Path, options: &ReadOptions) -> Result<Vec<Scan>, IoError
         Format::NistPtfe => nist_ptfe::read(path, options),
         Format::Zemax => zemax::read(path, options),
         Format::Speos => speos::read(path, options),
+        Format::Astm => astm::read(path, options),
         Format::Table => table::read(path, options),
     }
 }
@@ -197,6 +204,7 @@ pub fn parse_any(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Vec
         Format::NistPtfe => nist_ptfe::parse(bytes, path, options),
         Format::Zemax => zemax::parse(bytes, path, options),
         Format::Speos => speos::parse(bytes, path, options),
+        Format::Astm => astm::parse(bytes, path, options),
         Format::Table => table::parse(bytes, path, options),
     }
 }
@@ -266,7 +274,7 @@ mod tests {
     fn a_name_that_is_no_format_lists_the_formats() {
         let text = "fits".parse::<Format>().unwrap_err().to_string();
         assert!(
-            text.contains("mountain, gonio-raw, nist-ptfe, zemax-bsdf, speos-bsdf, table"),
+            text.contains("mountain, gonio-raw, nist-ptfe, zemax-bsdf, speos-bsdf, astm, table"),
             "{text}"
         );
     }

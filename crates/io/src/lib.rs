@@ -1,6 +1,7 @@
 //! File formats, one a module. Every reader gives data or an [`IoError`] that names file, line or field, what was
 //! found and what is allowed; no reader guesses. Every writer writes a temporary file and renames it.
 
+pub mod astm;
 pub mod atomic;
 mod column;
 pub mod detect;

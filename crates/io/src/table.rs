@@ -72,6 +72,8 @@ pub(crate) struct Rows<'a> {
     pub(crate) header: Vec<String>,
     record: csv::ByteRecord,
     path: &'a Path,
+    /// Lines of the file before the header row.
+    before: u64,
 }
 
 /// One row with its place.
@@ -85,6 +87,11 @@ impl<'a> Rows<'a> {
     /// Reads the header row. The separator is the one of tab, semicolon and comma that the header row holds; lines
     /// that start with `#` are passed over.
     pub(crate) fn new(bytes: &'a [u8], path: &'a Path) -> Result<Self, IoError> {
+        Rows::after(0, bytes, path)
+    }
+
+    /// [`Rows::new`] of a table that begins after `before` lines of the file.
+    pub(crate) fn after(before: u64, bytes: &'a [u8], path: &'a Path) -> Result<Self, IoError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         if bytes.is_empty() {
             return Err(IoError::format(
@@ -112,13 +119,14 @@ impl<'a> Rows<'a> {
             .comment(Some(b'#'))
             .trim(csv::Trim::All)
             .from_reader(bytes);
-        let header = reader.byte_headers().map_err(|e| fault(path, &e))?;
+        let header = reader.byte_headers().map_err(|e| fault(path, before, &e))?;
         let header: Vec<String> = header.iter().map(decode).collect();
         Ok(Rows {
             reader,
             header,
             record: csv::ByteRecord::new(),
             path,
+            before,
         })
     }
 
@@ -127,11 +135,11 @@ impl<'a> Rows<'a> {
         if !self
             .reader
             .read_byte_record(&mut self.record)
-            .map_err(|e| fault(self.path, &e))?
+            .map_err(|e| fault(self.path, self.before, &e))?
         {
             return Ok(None);
         }
-        let line = self.record.position().map_or(0, csv::Position::line);
+        let line = self.before + self.record.position().map_or(0, csv::Position::line);
         Ok(Some(Row {
             record: &self.record,
             line,
@@ -140,7 +148,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-fn fault(path: &Path, error: &csv::Error) -> IoError {
+fn fault(path: &Path, before: u64, error: &csv::Error) -> IoError {
+    let line = |position: &csv::Position| before + position.line();
     match error.kind() {
         csv::ErrorKind::UnequalLengths {
             pos,
@@ -148,14 +157,14 @@ fn fault(path: &Path, error: &csv::Error) -> IoError {
             len,
         } => IoError::format(
             path,
-            pos.as_ref().map(csv::Position::line),
+            pos.as_ref().map(line),
             "row",
             format!("{len} columns"),
             format!("{expected_len} columns, as the header row; is the file truncated?"),
         ),
         _ => IoError::format(
             path,
-            error.position().map(csv::Position::line),
+            error.position().map(line),
             "row",
             error.to_string(),
             "a table",
