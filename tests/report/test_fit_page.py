@@ -79,6 +79,12 @@ def test_the_errors_are_labelled_with_plain_numbers(page, monkeypatch):
         assert "e" not in label or float(label) < 1e-4
 
 
+def test_the_page_tells_which_models_can_be_written(page):
+    rows = re.findall(r'<tr><th scope="row">([^<]+)<.*?</tr>', page[1])
+    assert len(rows) > 2
+    assert re.search(r'<th scope="row">trans<.*?<td>Radiance</td>', page[1])
+
+
 def test_printed_tables_are_whole(page):
     """Paper does not scroll: the box that does on the screen has neither a height nor an edge there."""
     style = re.search(r"<style>(.*)</style>", page[1], re.S).group(1)

@@ -181,6 +181,7 @@ def _ranked(row: Mapping[str, Any]) -> dict[str, str]:
         "worst": "—" if worst is None else f"{percent(worst)} at θi {angle(row['worst_theta_i'])}°",
         "aicc": "—" if row["delta_aicc"] is None else f"{row['delta_aicc']:+.1f}".replace("-", "−"),
         "parameters": str(row["parameters"]),
+        "programs": ", ".join(row["materials"]) or "—",
         "warnings": ", ".join(dict.fromkeys(w["code"].replace("_", " ") for w in row["warnings"])),
     }
 
