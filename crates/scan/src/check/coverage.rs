@@ -106,7 +106,11 @@ fn scanned(slice: &Slice, side: Side) -> Option<Scanned> {
     let missed = probes(side)
         .filter(|&d| index.nearest(d.vec(), near).is_none())
         .count();
-    let share = |h: &HemisphericalIntegral| 100.0 * (h.extrapolated / h.value).abs();
+    // Of nothing there is no share.
+    let share = |h: &HemisphericalIntegral| {
+        let share = 100.0 * (h.extrapolated / h.value).abs();
+        if share.is_finite() { share } else { 0.0 }
+    };
     Some(Scanned {
         extrapolated: slice.integral(side).map(share),
         uncovered: 100.0 * missed as f64 / PROBES as f64,

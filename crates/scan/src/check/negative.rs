@@ -24,6 +24,19 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
     }) else {
         return Verdict::not_applicable(ID, TITLE, "No slice.");
     };
+    if let Some(dark) = slices.iter().find(|s| nothing_positive(s)) {
+        return Verdict {
+            id: ID,
+            title: TITLE,
+            level: Level::Fail,
+            value: Some(Shares::of(dark).negative),
+            unit: "%",
+            sentence: format!(
+                "No reading is above zero ({}): nothing was measured there, or the sign or the dark is wrong.",
+                name(dark)
+            ),
+        };
+    }
     let level = shares.level();
     let mut sentence = if shares.negative == 0.0 {
         "No reading is negative.".to_owned()
@@ -58,6 +71,12 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         unit: "%",
         sentence,
     }
+}
+
+/// Whether a slice has usable readings, none of them positive.
+fn nothing_positive(slice: &Slice) -> bool {
+    let mut usable = (0..slice.len()).filter(|&j| slice.flags[j].usable()).peekable();
+    usable.peek().is_some() && usable.all(|j| slice.dsf[j] <= 0.0)
 }
 
 /// Percentages of the usable readings of a slice.

@@ -38,11 +38,15 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
     } else {
         Level::Pass
     };
-    let mut sentence = format!(
-        "The peak is at least {} times the noise floor, u = {floor:.1e} 1/sr ({}).",
-        three_digits(value),
-        name(slice)
-    );
+    let mut sentence = if value > 0.0 {
+        format!(
+            "The peak is at least {} times the noise floor, u = {floor:.1e} 1/sr ({}).",
+            three_digits(value),
+            name(slice)
+        )
+    } else {
+        format!("No reading is above zero ({}).", name(slice))
+    };
     if level != Level::Pass {
         sentence.push_str(" Raise the gain, the integration time or the beam power.");
     }

@@ -255,6 +255,24 @@ fn a_signal_at_the_noise_floor_fails_the_dynamic_range() {
 }
 
 #[test]
+fn readings_of_nothing_fail_and_no_share_of_nothing_is_stated() {
+    let m = measurement(|_, _| 0.0, &[(10.0, 0.0), (30.0, 0.0)]);
+    let found = verdict(&m, "negative_readings");
+    assert_eq!(found.level, Level::Fail, "{}", found.sentence);
+    let found = verdict(&m, "coverage");
+    assert!(!found.sentence.contains("NaN"), "{}", found.sentence);
+}
+
+#[test]
+fn a_reflectance_below_zero_fails() {
+    let m = measurement(|_, _| -0.5 / PI, &[(10.0, 0.0), (30.0, 0.0)]);
+    for id in ["energy", "negative_readings", "dynamic_range"] {
+        let found = verdict(&m, id);
+        assert_eq!(found.level, Level::Fail, "{id}: {}", found.sentence);
+    }
+}
+
+#[test]
 fn mostly_negative_readings_fail() {
     let m = measurement(|_, ws| if ws.phi() < 5.0 { -1e-4 } else { 1e-4 }, &[(0.0, 0.0)]);
     let v = verdict(&m, "negative_readings");
