@@ -25,7 +25,7 @@ def mitsuba():
     return package
 
 
-@pytest.mark.parametrize(("parts", "bound"), [(GLOSSY, 0.02), (BRUSHED, 0.05)])
+@pytest.mark.parametrize(("parts", "bound"), [(GLOSSY, 0.02), (BRUSHED, 0.02)])
 def test_mitsuba_evaluates_a_written_material_as_its_model(tmp_path, mitsuba, parts, bound):
     model = _native.analytic(parts)
     path = tmp_path / "a.bsdf"

@@ -25,7 +25,8 @@ const INSET: f64 = 1e-4;
 pub struct RglOptions {
     /// Polar angles of incidence, radians, ascending in `[0, pi/2)`.
     pub theta_i: Vec<f64>,
-    /// Azimuths of incidence of an anisotropic model, from `-pi` to `pi`, both included; at least 3.
+    /// Azimuths of incidence of an anisotropic model, at least 3: over the whole turn from `-pi`, both ends included, or
+    /// over its first half for a model that half a turn of the sample does not change.
     pub azimuths: usize,
     /// Nodes in azimuth and polar angle of the half vector.
     pub half_vector: (usize, usize),
@@ -34,7 +35,7 @@ pub struct RglOptions {
 }
 
 impl RglOptions {
-    /// Every 5 degrees of incidence to 85, and 89; for a model that is not isotropic every 30 degrees of azimuth.
+    /// Every 5 degrees of incidence to 85, and 89; for a model that is not isotropic 13 azimuths.
     pub fn of(model: &dyn Bsdf) -> Self {
         let isotropic = model.properties().isotropic;
         let every_5 = (0..18).map(|k| f64::from(5 * k));
@@ -76,6 +77,31 @@ impl RglOptions {
         }
         Ok(())
     }
+}
+
+/// Whether half a turn of the sample leaves the values of `model` as they are, by 512 pairs of directions.
+fn is_twofold(model: &dyn Bsdf, channels: &[(Channel, usize)]) -> bool {
+    const PAIRS: usize = 512;
+    const EQUAL: f64 = 1e-9;
+    let n = model.channels().len();
+    let (mut f, mut g) = (vec![0.0; n], vec![0.0; n]);
+    // points of a lattice in four dimensions
+    let place = |k: usize, step: f64| (0.5 + step * k as f64).fract();
+    (0..PAIRS).all(|k| {
+        let direction = |a: f64, b: f64| {
+            let theta = place(k, a).sqrt().asin();
+            Direction::from_spherical(theta, TAU * place(k, b))
+        };
+        let (wi, ws) = (
+            direction(0.856_674_883_8, 0.733_891_856_6),
+            direction(0.628_706_729_2, 0.538_597_271_7),
+        );
+        model.eval(wi, ws, &mut f);
+        model.eval(wi.mirror(), ws.mirror(), &mut g);
+        channels
+            .iter()
+            .all(|&(_, c)| (f[c] - g[c]).abs() <= EQUAL * f[c].abs().max(g[c].abs()))
+    })
 }
 
 /// Nodes over the half vector: columns of polar coordinate, rows of azimuth.
@@ -275,7 +301,8 @@ impl RglTables {
             vec![0.0]
         } else {
             let n = options.azimuths;
-            (0..n).map(|k| TAU * k as f64 / (n - 1) as f64 - PI).collect()
+            let turn = if is_twofold(model, channels) { PI } else { TAU };
+            (0..n).map(|k| turn * k as f64 / (n - 1) as f64 - PI).collect()
         };
         let (rows, columns) = options.half_vector;
         let surface = Microsurface::of(model, channels, Nodes { rows, columns });

@@ -127,9 +127,12 @@ fn anisotropic_models_keep_their_axes() {
     ]);
     let rgl = Rgl::new(tables(&model)).unwrap();
     assert!(!rgl.is_isotropic());
+    // two-fold symmetric: half a turn is enough
+    let last = rgl.phi_i().last().copied().unwrap();
+    assert!(rgl.phi_i().len() == 13 && last.abs() < 1e-12, "{last}");
     for (theta, phi) in [(30.0, 0.0), (30.0, 60.0), (60.0, 150.0), (45.0, 300.0)] {
         let found = rel_l1(&model, &rgl, Direction::from_degrees(theta, phi));
-        assert!(found < 0.04, "{theta} {phi}: {found}");
+        assert!(found < 0.02, "{theta} {phi}: {found}");
     }
 }
 
