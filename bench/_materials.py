@@ -150,8 +150,11 @@ ISOTROPIC: dict[str, Brdf] = {
 
 
 def path(theta_i: float, rng: np.random.Generator) -> Array:
-    """Rings 3 degrees apart with readings every .2 degrees, and a patch of .5 x .1 degrees within 15 degrees of
-    the mirror direction; up to 88 degrees; light comes from azimuth 180."""
+    """Directions up to 88 degrees for light from azimuth 180.
+
+    Rings 3 degrees apart with readings every .2 degrees; a patch of .5 x .1 degrees within 15 degrees of the
+    mirror direction.
+    """
     rings = []
     for theta in np.arange(1.5, 88, 3.0):
         n = max(8, round(360 * np.sin(np.radians(theta)) / 0.2))

@@ -1,10 +1,11 @@
 """Data-driven models of known isotropic materials where nothing was measured, against RADIANCE's tensor tree.
 
-Eight incidences, 10 to 80 degrees, some 40,000 readings each with noise of 1 % and 2e-4/sr. Errors are relative
-L1 of the DSF, the integral of |f' - f| cos over that of f cos, over the hemisphere up to 88 degrees: at 15, 25 to
-75 degrees (held out), at 20 to 70 degrees (measured), at 85 degrees (beyond the data). RADIANCE makes its model of
-the same files (pabopto2bsdf, bsdf2ttree -g 6). The ratio is of the geometric means over the six materials with
-lobes about the mirror direction; those of all seven are in the record.
+Eight incidences, 10 to 80 degrees, some 40,000 readings each with noise of 1 % and 2e-4/sr. Errors are
+relative L1 of the DSF, the integral of |f' - f| cos over that of f cos, over the hemisphere up to 88
+degrees: at 15, 25 to 75 degrees (held out), at 20 to 70 degrees (measured), at 85 degrees (beyond the
+data). RADIANCE makes its model of the same files (pabopto2bsdf, bsdf2ttree -g 6). The ratio is of the
+geometric means over the six materials with lobes about the mirror direction; those of all seven are in
+the record.
 """
 
 from __future__ import annotations
