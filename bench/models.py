@@ -16,7 +16,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import gonio
 import numpy as np
 from gonio import _native
 
@@ -119,7 +118,7 @@ def run() -> list[dict[str, Any]]:
     for name, material in ISOTROPIC.items():
         data = {t: readings(material, t, 20261122) for t in MEASURED}
         measured = measurement(data)
-        spent, model = seconds(lambda m=measured: gonio.build(m, symmetry="isotropic"))
+        spent, model = seconds(lambda m=measured: _native.build(m, symmetry="isotropic"))
         ours[name] = errors(material, of_model(model), w) | {"cpu": spent, "stated": model.loo_error}
         ours[name]["chosen"] = [s["candidate"] for s in model.summary]
         with tempfile.TemporaryDirectory() as folder:
