@@ -22,6 +22,7 @@ pub(crate) fn unified(points: &[DVec3]) -> Cow<'_, [DVec3]> {
     let mut out = Cow::Borrowed(points);
     let mut taken = vec![false; points.len()];
     for (k, &(height, first)) in order.iter().enumerate() {
+        // One that was put onto another, or equals it, has met every neighbour there.
         if taken[first as usize] {
             continue;
         }
@@ -31,9 +32,11 @@ pub(crate) fn unified(points: &[DVec3]) -> Cow<'_, [DVec3]> {
                 break;
             }
             let q = points[other as usize];
-            if !taken[other as usize] && p != q && p.distance_squared(q) <= SAME * SAME {
+            if !taken[other as usize] && p.distance_squared(q) <= SAME * SAME {
                 taken[other as usize] = true;
-                out.to_mut()[other as usize] = p;
+                if p != q {
+                    out.to_mut()[other as usize] = p;
+                }
             }
         }
     }
@@ -55,6 +58,13 @@ mod tests {
         assert_eq!(found[2], found[0]);
         assert_eq!(found[3], found[0]);
         assert_eq!(found[1], apart);
+    }
+
+    #[test]
+    fn many_repeats_of_one_direction_take_one_pass() {
+        // Quadratic in the repeats this would not end.
+        let p = Direction::from_degrees(40.0, 20.0).vec();
+        assert!(matches!(unified(&vec![p; 3_000_000]), Cow::Borrowed(_)));
     }
 
     #[test]
