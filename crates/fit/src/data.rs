@@ -267,8 +267,7 @@ impl FitData {
     }
 
     /// Sets the weights of chi-square from the predicted DSF of every block, no less than [`LEAST_PREDICTED`] of the
-    /// reading; `damped`: to the geometric mean of old and
-    /// new ones.
+    /// reading; `damped`: to the geometric mean of old and new ones.
     pub(crate) fn reweigh(&mut self, predicted: &[Vec<f64>], damped: bool) {
         for (block, predicted) in self.blocks.iter().zip(predicted) {
             let slab = &mut self.slabs[block.slab];

@@ -56,6 +56,24 @@ pub(crate) struct Columns<'a> {
     pub(crate) inverse_variance: &'a [f64],
 }
 
+impl<'a> Columns<'a> {
+    /// Number of readings; predictions, readings, inverse variances and solid angles as slices of that length, whose
+    /// bounds the compiler then need not check.
+    #[inline(always)]
+    fn of_one_length(self) -> (usize, [&'a [f64]; 4]) {
+        let n = self.y.len();
+        (
+            n,
+            [
+                &self.predicted[..n],
+                &self.y[..n],
+                &self.inverse_variance[..n],
+                &self.omega[..n],
+            ],
+        )
+    }
+}
+
 /// Fills `out` and returns the cost. `floor` is added to both sides before a cube root is taken, so that its slope stays
 /// finite in the noise; `by_solid_angle` weighs chi-square by the solid angle too.
 pub(crate) fn weigh(
@@ -118,13 +136,7 @@ fn transformed(
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
 fn linear(columns: Columns<'_>, curvature: &mut [f64], pull: &mut [f64], by_solid_angle: bool) -> f64 {
-    let n = columns.y.len();
-    let (d, y, v, omega) = (
-        &columns.predicted[..n],
-        &columns.y[..n],
-        &columns.inverse_variance[..n],
-        &columns.omega[..n],
-    );
+    let (n, [d, y, v, omega]) = columns.of_one_length();
     let (curvature, pull) = (&mut curvature[..n], &mut pull[..n]);
     for j in 0..n {
         let w = if by_solid_angle { omega[j] * v[j] } else { v[j] };
@@ -145,13 +157,7 @@ fn linear(columns: Columns<'_>, curvature: &mut [f64], pull: &mut [f64], by_soli
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
 fn soft_l1(columns: Columns<'_>, curvature: &mut [f64], pull: &mut [f64], by_solid_angle: bool) -> f64 {
-    let n = columns.y.len();
-    let (d, y, v, omega) = (
-        &columns.predicted[..n],
-        &columns.y[..n],
-        &columns.inverse_variance[..n],
-        &columns.omega[..n],
-    );
+    let (n, [d, y, v, omega]) = columns.of_one_length();
     let (curvature, pull) = (&mut curvature[..n], &mut pull[..n]);
     let mut cost = [0.0; LANES];
     let mut start = 0;

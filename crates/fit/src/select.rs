@@ -90,9 +90,8 @@ pub struct Choice {
 }
 
 /// Fit models that describe the components with readings and no other: those of [`fit_models`], and where light is both
-/// reflected
-/// and transmitted also each reflecting family with each transmitting one, diffuse parts included. Models with an axis only
-/// where the incidences lie in more than one plane.
+/// reflected and transmitted also each reflecting family with each transmitting one, diffuse parts included. Models with an
+/// axis only where the incidences lie in more than one plane.
 ///
 /// # Errors
 /// [`FitError`] when the selection names an unknown channel or the list of models is broken.
