@@ -15,6 +15,8 @@ pub mod quantity;
 pub mod radiance;
 pub mod rgl;
 pub mod tensor_tree;
+#[cfg(test)]
+mod testing;
 pub mod traits;
 
 pub use albedo::directional_albedo;

@@ -3,26 +3,8 @@ use std::f64::consts::{PI, TAU};
 use super::*;
 use crate::analytic::family;
 use crate::directional_albedo;
+use crate::testing::Numbers;
 use gonio_geom::Component;
-
-/// Numbers in `[0, 1)`, the same ones for the same seed.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn direction(&mut self) -> Direction {
-        let (z, phi) = (0.05 + 0.94 * self.next(), TAU * self.next());
-        let r = (1.0 - z * z).sqrt();
-        Direction::from_unit(DVec3::new(r * phi.cos(), r * phi.sin(), z))
-    }
-}
 
 /// A glossy reciprocal model of one channel.
 fn glossy(alpha: f64) -> Box<dyn Bsdf> {
@@ -38,7 +20,7 @@ fn table(shape: [usize; 3], alpha: f64) -> HalfDifference {
 
 #[test]
 fn a_pair_comes_back_from_its_angles_up_to_its_azimuth() {
-    let mut numbers = Numbers(1);
+    let mut numbers = Numbers::new(1);
     for _ in 0..2000 {
         let (wi, ws) = (numbers.direction(), numbers.direction());
         let angles = HalfAngles::of(wi, ws).unwrap();
@@ -95,7 +77,7 @@ fn empty_cells_are_zero_without_data_and_do_not_pull_their_neighbours_down() {
     assert_eq!(table.eval_first(wi, wi.mirror()), 0.0);
     assert!(!table.has_data(wi, wi.mirror()) && table.has_data(wi, wi));
     let linear = table.with_lookup(Lookup::Trilinear);
-    let mut numbers = Numbers(7);
+    let mut numbers = Numbers::new(7);
     for _ in 0..500 {
         let f = linear.eval_first(numbers.direction(), numbers.direction());
         assert!(f == 0.0 || (f - 0.5).abs() < 1e-12, "{f}");
@@ -104,7 +86,7 @@ fn empty_cells_are_zero_without_data_and_do_not_pull_their_neighbours_down() {
 
 #[test]
 fn a_table_keeps_reciprocity_and_the_horizon() {
-    let mut numbers = Numbers(3);
+    let mut numbers = Numbers::new(3);
     for lookup in [Lookup::Nearest, Lookup::Trilinear] {
         let table = table([30, 30, 20], 0.2).with_lookup(lookup);
         for _ in 0..1000 {
@@ -124,7 +106,7 @@ fn finer_tables_come_closer_to_their_model() {
     let model = glossy(0.3);
     let error = |shape, lookup| {
         let table = table(shape, 0.3).with_lookup(lookup);
-        let mut numbers = Numbers(11);
+        let mut numbers = Numbers::new(11);
         let (mut difference, mut sum) = (0.0, 0.0);
         for _ in 0..4000 {
             let (wi, ws) = (numbers.direction(), numbers.direction());
@@ -151,7 +133,7 @@ fn samples_have_the_density_that_is_stated_and_carry_the_albedo() {
         for theta in [5.0, 40.0, 70.0] {
             let w = Direction::from_degrees(theta, 30.0);
             let n = 100_000;
-            let mut numbers = Numbers(5);
+            let mut numbers = Numbers::new(5);
             let (mut sum, mut squares, mut inverse) = (0.0, 0.0, 0.0);
             for _ in 0..n {
                 let u = [numbers.next(), numbers.next(), numbers.next()];
@@ -206,7 +188,7 @@ fn samples_fill_bins_as_the_density_says() {
         }
         expected[SIDE * SIDE] = 1.0 - expected.iter().sum::<f64>();
         let mut counts = vec![0.0; SIDE * SIDE + 1];
-        let mut numbers = Numbers(9);
+        let mut numbers = Numbers::new(9);
         for _ in 0..SAMPLES {
             let u = [numbers.next(), numbers.next(), numbers.next()];
             let bin = table.sample(w, u).map_or(SIDE * SIDE, |s| {

@@ -5,6 +5,7 @@
 //! divided by what the microfacet model says, is broad and smooth, so that a small table holds it. Tables are bilinear
 //! on the square and linear between incidences.
 
+mod microsurface;
 mod tables;
 mod tabulate;
 #[cfg(test)]

@@ -1,5 +1,6 @@
 use gonio_geom::Component;
 
+use super::super::microsurface::{EVEN, mean_cosine};
 use super::*;
 use crate::Rgl;
 use crate::analytic::{Sum, family};

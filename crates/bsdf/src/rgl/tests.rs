@@ -4,25 +4,7 @@ use gonio_geom::{DVec3, Direction};
 
 use super::warp::{Blend, Warp};
 use super::*;
-
-/// Numbers in `[0, 1)`, the same ones for the same seed.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn direction(&mut self) -> Direction {
-        let (z, phi) = (0.02 + 0.97 * self.next(), TAU * self.next());
-        let r = (1.0 - z * z).sqrt();
-        Direction::new(DVec3::new(r * phi.cos(), r * phi.sin(), z)).unwrap()
-    }
-}
+use crate::testing::Numbers;
 
 fn table(shape: &[usize], mut f: impl FnMut(&[usize]) -> f64) -> Table {
     let n: usize = shape.iter().product();
@@ -85,7 +67,7 @@ fn eval(model: &Rgl, wi: Direction, ws: Direction) -> [f64; 2] {
 
 #[test]
 fn inverting_a_sampled_point_gives_the_uniform_point_back() {
-    let mut numbers = Numbers(1);
+    let mut numbers = Numbers::new(1);
     let mut values = table(&[2, 6, 8], |_| numbers.next());
     values.values[3] = 0.0;
     values.values[60] = 0.0;
@@ -103,7 +85,7 @@ fn inverting_a_sampled_point_gives_the_uniform_point_back() {
 
 #[test]
 fn the_density_of_a_warp_is_the_jacobian_of_its_inverse() {
-    let mut numbers = Numbers(2);
+    let mut numbers = Numbers::new(2);
     let warp = Warp::new(table(&[2, 5, 7], |_| 0.1 + numbers.next())).unwrap();
     let blend = Blend::new((0, 0.0), (0, 0.6), 2);
     let h = 1e-6;
@@ -132,7 +114,7 @@ fn constant_tables_give_the_closed_form() {
     })
     .unwrap();
     let model = Rgl::new(tables).unwrap();
-    let mut numbers = Numbers(3);
+    let mut numbers = Numbers::new(3);
     for _ in 0..1000 {
         let (wi, ws) = (numbers.direction(), numbers.direction());
         let c = ws.cos_theta();
@@ -161,7 +143,7 @@ fn values_between_incidences_are_linear_in_the_angle() {
 fn an_isotropic_material_turns_with_the_incidence() {
     let model = Rgl::new(material(&[0.0])).unwrap();
     assert!(model.is_isotropic() && model.properties().isotropic);
-    let mut numbers = Numbers(4);
+    let mut numbers = Numbers::new(4);
     for _ in 0..1000 {
         let (wi, ws, turn) = (numbers.direction(), numbers.direction(), TAU * numbers.next());
         let (a, b) = (
@@ -178,7 +160,7 @@ fn parts_of_a_turn_stand_for_the_whole_by_their_symmetry() {
     let half = Rgl::new(material(&part(PI))).unwrap();
     let quarter = Rgl::new(material(&part(FRAC_PI_2))).unwrap();
     let mirrored = |d: Direction, x: f64, y: f64| Direction::new(d.vec() * DVec3::new(x, y, 1.0)).unwrap();
-    let mut numbers = Numbers(5);
+    let mut numbers = Numbers::new(5);
     let mut differs = 0;
     for _ in 0..1000 {
         let (wi, ws) = (numbers.direction(), numbers.direction());
@@ -199,7 +181,7 @@ fn parts_of_a_turn_stand_for_the_whole_by_their_symmetry() {
 #[test]
 fn values_below_zero_are_raised_to_it_and_kept_aside() {
     let model = Rgl::new(material(&[0.0])).unwrap();
-    let mut numbers = Numbers(6);
+    let mut numbers = Numbers::new(6);
     let (mut negative, mut signed) = (0, [0.0; 2]);
     for _ in 0..1000 {
         let (wi, ws) = (numbers.direction(), numbers.direction());
@@ -237,7 +219,7 @@ fn data_end_at_the_last_measured_incidence_and_at_nodes_below_the_horizon() {
     let model = Rgl::new(tables).unwrap();
     assert_eq!(model.measured_theta_i().len(), 3);
     let at = |theta: f64, ws| model.has_data(Direction::from_degrees(theta, 0.0), ws);
-    let mut numbers = Numbers(7);
+    let mut numbers = Numbers::new(7);
     let mut masked = [0; 3];
     for _ in 0..2000 {
         let ws = numbers.direction();
@@ -259,7 +241,7 @@ fn deviation(model: &Rgl, wi: Direction, seed: u64) -> f64 {
     const SAMPLES: usize = 400_000;
     const CELLS: (usize, usize) = (10, 20);
     const SUB: usize = 24;
-    let mut numbers = Numbers(seed);
+    let mut numbers = Numbers::new(seed);
     let mut found = vec![0.0; CELLS.0 * CELLS.1 + 1];
     let cell = |d: Direction| {
         let i = ((d.cos_theta() * CELLS.0 as f64) as usize).min(CELLS.0 - 1);
@@ -314,7 +296,7 @@ fn samples_follow_the_density() {
 #[test]
 fn a_sample_carries_its_value_over_its_density() {
     let model = Rgl::new(material(&full_turn())).unwrap();
-    let mut numbers = Numbers(8);
+    let mut numbers = Numbers::new(8);
     for _ in 0..1000 {
         let w = numbers.direction();
         let Some(s) = model.sample(w, [numbers.next(), numbers.next(), 0.0]) else {
