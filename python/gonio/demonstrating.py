@@ -12,7 +12,7 @@ from typing import Any
 from gonio._native import DataDriven, Verdict
 from gonio.building import build
 from gonio.checking import check
-from gonio.exporting import MODEL_FORMATS, export
+from gonio.exporting import RADIANCE_FORMATS, export
 from gonio.files import growing_directory
 from gonio.materials import Material
 from gonio.measurement import Measurement
@@ -134,7 +134,7 @@ def _run(
     model = build(measurement, progress=progress)
     exports = tuple(
         export(model, to=to, out=target / f"{to}.xml", name=measurement.sample_name, progress=progress).out
-        for to in MODEL_FORMATS
+        for to in RADIANCE_FORMATS
     )
     report(
         measurement,

@@ -18,11 +18,12 @@ from gonio.building import build
 from gonio.checking import MeasurementOrPath, loaded
 from gonio.files import check_directory, replacing_directory, replacing_file
 from gonio.measurement import Measurement
-from gonio.model_writers import MODEL_WRITERS
+from gonio.model_writers import MODEL_WRITERS, Target
 from gonio.readings import PathLike
 from gonio.working import Progress, interruptible, silent
 
-MODEL_FORMATS = ("radiance-klems", "radiance-ttree", "rgl-bsdf", "merl", "zemax-bsdf")
+RADIANCE_FORMATS = ("radiance-klems", "radiance-ttree")
+MODEL_FORMATS = (*RADIANCE_FORMATS, "rgl-bsdf", "merl", "zemax-bsdf")
 TABLE_FORMATS = ("csv", "parquet", "netcdf", "bird-json")
 FORMATS = (*MODEL_FORMATS, *TABLE_FORMATS, "mountain")
 
@@ -155,9 +156,8 @@ def export(
             progress("reducing", 0, 1)
             notes = list(model.warnings) if isinstance(model, _native.DataDriven) else []
             title = name if name is not None else (sample.sample_name if sample else None) or ""
-            report, more = MODEL_WRITERS[to](
-                model, target_path, channel=channel, components=components, title=title
-            )
+            file = Target(path=target_path, channel=channel, components=components, title=title)
+            report, more = MODEL_WRITERS[to](model, file)
             if "reduced" in report:
                 taken = report.pop("channel")
                 report["loss"] = _loss(model, report.pop("reduced"), taken, (("front", "reflection"),))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,16 @@ from gonio.working import interruptible
 
 _COLOURS = ("red", "green", "blue")
 _FRONT_REFLECTION = ("front", "reflection")
+
+
+@dataclass(frozen=True)
+class Target:
+    """The file that a writer makes, and what of the model goes into it (as in `export`)."""
+
+    path: Path
+    channel: str | None
+    components: Sequence[tuple[str, str]] | None
+    title: str
 
 
 def _one_component(
@@ -48,67 +59,48 @@ def _without_ideal_part(model: Bsdf) -> list[str]:
     return ["the ideal part (mirror, unbent) of the model has no BSDF and is left out"]
 
 
-def write_merl(
-    model: Bsdf,
-    path: Path,
-    *,
-    channel: str | None,
-    components: Sequence[tuple[str, str]] | None,
-    title: str,
-) -> tuple[dict[str, Any], list[str]]:
+def write_merl(model: Bsdf, target: Target) -> tuple[dict[str, Any], list[str]]:
     """Write a MERL binary: its report with the table read back as a model, and what is to be told.
 
     Without `channel` the model's red, green and blue; grey from `channel` or from the only one. The format
     has no place for a title.
     """
-    _one_component("merl", components, [_FRONT_REFLECTION])
-    channels, notes = _colours(model, channel)
+    _one_component("merl", target.components, [_FRONT_REFLECTION])
+    channels, notes = _colours(model, target.channel)
     notes += _without_ideal_part(model)
-    table = interruptible(lambda: _native.write_merl(path, model, channels))
+    table = interruptible(lambda: _native.write_merl(target.path, model, channels))
     return {"reduced": table, "channel": channels[0]}, notes
 
 
-def write_rgl(
-    model: Bsdf,
-    path: Path,
-    *,
-    channel: str | None,
-    components: Sequence[tuple[str, str]] | None,
-    title: str,
-) -> tuple[dict[str, Any], list[str]]:
+def write_rgl(model: Bsdf, target: Target) -> tuple[dict[str, Any], list[str]]:
     """Write an RGL material: its report with what was written as a model, and what is to be told.
 
     Spectral where the model has two or more channels, all of them wavelengths, and none is named; else red,
     green and blue as `write_merl`.
     """
-    _one_component("rgl-bsdf", components, [_FRONT_REFLECTION])
+    _one_component("rgl-bsdf", target.components, [_FRONT_REFLECTION])
     spectral = [c for c in model.channels if c.endswith("nm")]
-    if channel is None and len(spectral) == len(model.channels) > 1:
+    if target.channel is None and len(spectral) == len(model.channels) > 1:
         names = sorted(spectral, key=lambda c: float(c.removesuffix("nm")))
         channels, notes = [(c, c) for c in names], list[str]()
     else:
-        taken, notes = _colours(model, channel)
+        taken, notes = _colours(model, target.channel)
         channels = list(zip(_COLOURS, taken, strict=True))
     notes += _without_ideal_part(model)
-    written = interruptible(lambda: _native.write_rgl(path, model, channels, description=title))
+    written = interruptible(lambda: _native.write_rgl(target.path, model, channels, description=target.title))
     return {"reduced": written, "channel": channels[0][1]}, notes
 
 
-def write_zemax(
-    model: Bsdf,
-    path: Path,
-    *,
-    channel: str | None,
-    components: Sequence[tuple[str, str]] | None,
-    title: str,
-) -> tuple[dict[str, Any], list[str]]:
+def write_zemax(model: Bsdf, target: Target) -> tuple[dict[str, Any], list[str]]:
     """Write a Zemax tabular BSDF: symmetry and number of its values, and what is to be told."""
     allowed = [_FRONT_REFLECTION, ("front", "transmission")]
-    _, component = _one_component("zemax-bsdf", components, allowed)
-    one = channel or (model.channels[0] if len(model.channels) == 1 else None)
-    comments = "\n".join(line for line in (title, f"channel {one}, {component}, written by gonio") if line)
+    _, component = _one_component("zemax-bsdf", target.components, allowed)
+    one = target.channel or (model.channels[0] if len(model.channels) == 1 else None)
+    comments = "\n".join(
+        line for line in (target.title, f"channel {one}, {component}, written by gonio") if line
+    )
     symmetry, values = interruptible(
-        lambda: _native.write_zemax(path, model, channel=one, component=component, comments=comments)
+        lambda: _native.write_zemax(target.path, model, channel=one, component=component, comments=comments)
     )
     notes = []
     if symmetry == "ASymmetrical4D":
@@ -117,7 +109,7 @@ def write_zemax(
     return {"symmetry": symmetry, "values": values}, notes
 
 
-Writer = Callable[..., tuple[dict[str, Any], list[str]]]
+Writer = Callable[[Bsdf, Target], tuple[dict[str, Any], list[str]]]
 
 MODEL_WRITERS: dict[str, Writer] = {
     "merl": write_merl,
