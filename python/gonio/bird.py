@@ -91,7 +91,8 @@ def read(
             raise QuantityError(f"{path}: channel: found no wavelength, needed channel=")
         names: Array = np.full(size, channel)
     else:
-        names = np.array([f"{nm:.12g}nm" for nm in wavelength.tolist()])
+        distinct, which = np.unique(wavelength, return_inverse=True)
+        names = np.array([f"{nm:.12g}nm" for nm in distinct.tolist()])[which]
         if channel is not None:
             if channel not in names:
                 known = ", ".join(dict.fromkeys(names.tolist()))
@@ -215,12 +216,13 @@ def _variables(path: str | os.PathLike[str], data: Mapping[str, Any]) -> dict[st
     variables, rows = data["variables"], data.get("values")
     if not isinstance(rows, list) or not all(isinstance(v, dict) and "name" in v for v in variables):
         raise FormatError(f"{path}: data: found no list of values or a variable without a name, allowed both")
-    for k, row in enumerate(rows):
-        if not isinstance(row, list) or len(row) != len(variables):
-            found_length = f"{len(row)} columns" if isinstance(row, list) else repr(row)[:40]
-            raise FormatError(
-                f"{path}: row {k + 1} of values: found {found_length}, allowed {len(variables)} columns"
-            )
+    if set(map(type, rows)) - {list} or set(map(len, rows)) - {len(variables)}:
+        whole = (isinstance(row, list) and len(row) == len(variables) for row in rows)
+        k = next(k for k, good in enumerate(whole) if not good)
+        found_length = f"{len(rows[k])} columns" if isinstance(rows[k], list) else repr(rows[k])[:40]
+        raise FormatError(
+            f"{path}: row {k + 1} of values: found {found_length}, allowed {len(variables)} columns"
+        )
     columns = zip(*rows, strict=True) if rows else ([] for _ in variables)
     return {
         str(v["name"]): {**v, "values": list(column)} for v, column in zip(variables, columns, strict=True)
@@ -265,10 +267,12 @@ def _refuse_varied(path: str | os.PathLike[str], variables: Mapping[str, Mapping
         values = variable.get("values")
         if name in _IGNORED or not isinstance(values, list):
             continue
-        distinct = list(dict.fromkeys(json.dumps(v) for v in values))
-        if len(distinct) > 1:
-            shown = ", ".join(distinct[:3])
-            raise FormatError(f"{path}: {name}: found {shown}, allowed one value in all of the file")
+        if values and values.count(values[0]) < len(values):
+            other = next(v for v in values if v != values[0])
+            raise FormatError(
+                f"{path}: {name}: found {json.dumps(values[0])}, {json.dumps(other)}, "
+                "allowed one value in all of the file"
+            )
 
 
 def _meta(path: str | os.PathLike[str], metadata: Mapping[str, Any]) -> dict[str, Any]:
