@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import statistics
 import sys
 from collections.abc import Callable
@@ -13,6 +12,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from bench._timing import cpu_seconds
 
 COUNT = 10_000_000
 """Directions of one call."""
@@ -52,14 +53,6 @@ def hemisphere(n: int, seed: int = 20261122) -> Array:
     z, phi = rng.random(n), 2 * np.pi * rng.random(n)
     sine = np.sqrt(1 - z * z)
     return np.stack([sine * np.cos(phi), sine * np.sin(phi), z]).astype(np.float32)
-
-
-def cpu_seconds(call: Callable[[], Any]) -> float:
-    """User and system seconds of this process and all its threads during `call`."""
-    before = resource.getrusage(resource.RUSAGE_SELF)
-    call()
-    after = resource.getrusage(resource.RUSAGE_SELF)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def record(

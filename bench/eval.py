@@ -28,12 +28,12 @@ from bench._mitsuba import (
     COUNT,
     SCALAR_COUNT,
     Array,
-    cpu_seconds,
     hemisphere,
     mitsuba,
     record,
     with_scalar,
 )
+from bench._timing import cpu_seconds
 
 IDS = ("eval-ggx-vs-mitsuba-llvm", "eval-ward-vs-mitsuba-llvm")
 ALPHA = 0.3

@@ -12,13 +12,14 @@ import resource
 import statistics
 import subprocess
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import gonio
 import numpy as np
 from gonio import _native
+
+from bench._timing import cpu, seconds
 
 IDS = ("klems-export-vs-radiance", "ttree-export-vs-radiance")
 THETAS = (10, 20, 35, 50, 65, 75)
@@ -65,17 +66,6 @@ def write_files(folder: Path) -> list[Path]:
             np.savetxt(file, np.stack([theta, phi, f], -1), fmt="%.4f %.4f %.6g")
         paths.append(path)
     return paths
-
-
-def cpu(who: int) -> float:
-    used = resource.getrusage(who)
-    return used.ru_utime + used.ru_stime
-
-
-def seconds(call: Callable[[], Any]) -> tuple[float, Any]:
-    before = cpu(resource.RUSAGE_SELF)
-    result = call()
-    return cpu(resource.RUSAGE_SELF) - before, result
 
 
 def peer_seconds(folder: Path, out: str, *command: str) -> float:

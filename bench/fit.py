@@ -12,9 +12,7 @@ one run.
 
 from __future__ import annotations
 
-import resource
 import statistics
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,6 +20,9 @@ import numpy.typing as npt
 import scipy
 from gonio import _native
 from scipy.optimize import least_squares
+
+from bench._slices import photopic
+from bench._timing import cpu_seconds
 
 IDS = ("fit-vs-scipy",)
 READINGS = 1_000_000
@@ -95,19 +96,7 @@ def readings() -> tuple[_native.MeasurementData, Readings, Array, Array]:
         clean = model_of([(theta_i, theta, phi)]).dsf(truth)
         sigma = np.hypot(1e-3, 0.02 * clean)
         dsf = clean + sigma * rng.standard_normal(n)
-        slices.append(
-            _native.Slice(
-                theta_i=theta_i,
-                phi_i=0.0,
-                channel="photopic",
-                theta_s=theta,
-                phi_s=phi,
-                dsf=dsf,
-                u_dsf=sigma,
-                omega=np.full(n, 2 * np.pi / n),
-                flags=np.zeros(n, np.uint16),
-            )
-        )
+        slices.append(photopic((theta_i, 0.0), (theta, phi), dsf, sigma, np.full(n, 2 * np.pi / n)))
         angles.append((theta_i, theta, phi))
         values.append(dsf)
         sigmas.append(sigma)
@@ -150,14 +139,6 @@ def axes_in_order(p: Array) -> Array:
     if alpha_x > alpha_y:
         alpha_x, alpha_y, phi_x = alpha_y, alpha_x, phi_x + np.pi / 2
     return np.array([kd, ks, alpha_x, alpha_y, (phi_x + np.pi / 2) % np.pi - np.pi / 2])
-
-
-def cpu_seconds(call: Callable[[], Any]) -> float:
-    """User and system seconds of this process and all its threads during `call`."""
-    before = resource.getrusage(resource.RUSAGE_SELF)
-    call()
-    after = resource.getrusage(resource.RUSAGE_SELF)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def run() -> list[dict[str, Any]]:

@@ -20,7 +20,9 @@ import numpy as np
 from gonio import _native
 
 from bench._materials import ISOTROPIC, Array, Brdf, direction, readings
-from bench.export import peer_seconds, seconds
+from bench._slices import photopic
+from bench._timing import seconds
+from bench.export import peer_seconds
 
 IDS = ("heldout-iso-vs-radiance-ttree",)
 MEASURED = (10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0)
@@ -62,19 +64,8 @@ def measurement(data: Mapping[float, tuple[Array, Array, Array]]) -> _native.Mea
     slices = []
     for theta_i, (w, dsf, sigma) in data.items():
         theta, phi = np.degrees(np.arccos(w[:, 2])), np.degrees(np.arctan2(w[:, 1], w[:, 0])) % 360
-        slices.append(
-            _native.Slice(
-                theta_i=theta_i,
-                phi_i=180.0,
-                channel="photopic",
-                theta_s=theta,
-                phi_s=phi,
-                dsf=dsf,
-                u_dsf=sigma,
-                omega=_native.hemisphere_weights(theta, phi, side="front")[0],
-                flags=np.zeros(theta.size, np.uint16),
-            )
-        )
+        omega = _native.hemisphere_weights(theta, phi, side="front")[0]
+        slices.append(photopic((theta_i, 180.0), (theta, phi), dsf, sigma, omega))
     return _native.MeasurementData(slices)
 
 

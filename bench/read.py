@@ -6,16 +6,16 @@ run, after one call of each to warm the page cache and the allocators.
 
 from __future__ import annotations
 
-import resource
 import statistics
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import gonio
 import numpy as np
 import pandas as pd
+
+from bench._timing import cpu_seconds
 
 IDS = ("read-mountain-vs-pandas", "read-mountain-vs-loadtxt")
 LINES = 1_000_000
@@ -47,13 +47,6 @@ def by_loadtxt(path: Path) -> list[np.ndarray]:
     return list(np.loadtxt(path, unpack=True))
 
 
-def cpu_seconds(call: Callable[[Path], Any], path: Path) -> float:
-    before = resource.getrusage(resource.RUSAGE_SELF)
-    call(path)
-    after = resource.getrusage(resource.RUSAGE_SELF)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
-
-
 def run() -> list[dict[str, Any]]:
     records = []
     with tempfile.TemporaryDirectory() as folder:
@@ -66,7 +59,10 @@ def run() -> list[dict[str, Any]]:
             (IDS[0], by_pandas, f"pandas {pd.__version__} C engine", 9),
             (IDS[1], by_loadtxt, f"numpy.loadtxt {np.__version__}", 5),
         ):
-            times = [(cpu_seconds(by_gonio, path), cpu_seconds(peer, path)) for _ in range(pairs)]
+            times = [
+                (cpu_seconds(lambda: by_gonio(path)), cpu_seconds(lambda p=peer: p(path)))
+                for _ in range(pairs)
+            ]
             records.append(
                 {
                     "id": name,

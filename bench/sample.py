@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from gonio import analytic
 
-from bench._mitsuba import COUNT, SCALAR_COUNT, Array, cpu_seconds, mitsuba, record, with_scalar
+from bench._mitsuba import COUNT, SCALAR_COUNT, Array, mitsuba, record, with_scalar
+from bench._timing import cpu_seconds
 from bench.eval import ALPHA, ALUMINIUM, WI, roughconductor
 
 IDS = ("sample-ggx-vs-mitsuba-llvm",)
