@@ -87,6 +87,34 @@ class HemisphericalIntegral:
     def u_quadrature(self) -> float: ...
 
 @final
+class Resolution:
+    def __init__(
+        self,
+        *,
+        channel: str,
+        fwhm: float,
+        radius_50: float,
+        radius_90: float,
+        second_moment: float,
+        receiver_radius: float | None = None,
+        spot_radius: float | None = None,
+    ) -> None: ...
+    @property
+    def channel(self) -> str: ...
+    @property
+    def fwhm(self) -> float: ...
+    @property
+    def radius_50(self) -> float: ...
+    @property
+    def radius_90(self) -> float: ...
+    @property
+    def second_moment(self) -> float: ...
+    @property
+    def receiver_radius(self) -> float | None: ...
+    @property
+    def spot_radius(self) -> float | None: ...
+
+@final
 class Slice:
     def __init__(
         self,
@@ -137,6 +165,7 @@ class MeasurementData:
         *,
         sample_name: str | None = None,
         signature_fwhm: float | None = None,
+        resolutions: Sequence[Resolution] = (),
         warnings: Sequence[str] = (),
     ) -> None: ...
     def annotated(
@@ -148,6 +177,8 @@ class MeasurementData:
     def sample_name(self) -> str | None: ...
     @property
     def signature_fwhm(self) -> float | None: ...
+    @property
+    def resolutions(self) -> list[Resolution]: ...
     @property
     def warnings(self) -> list[str]: ...
     @property

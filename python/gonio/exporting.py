@@ -277,6 +277,7 @@ def _of_channel(measurement: Measurement, channel: str | None) -> Measurement:
         slices,
         sample_name=measurement.sample_name,
         signature_fwhm=measurement.signature_fwhm,
+        resolutions=[r for r in measurement.resolutions if r.channel == channel],
         warnings=measurement.warnings,
         provenance=measurement.provenance,
         findings=measurement.findings,

@@ -21,8 +21,8 @@ from gonio.fit_mitsuba import mitsuba_material
 from gonio.fit_radiance import radiance_material
 from gonio.fit_results import Fit, finite
 from gonio.fitting import fit_input
-from gonio.measurement import JSON_NAME as MEASUREMENT_NAME
 from gonio.measurement import Measurement
+from gonio.measurement_header import JSON_NAME as MEASUREMENT_NAME
 from gonio.working import Progress, interruptible, silent
 
 FORMAT = "gonio-fit"

@@ -14,7 +14,8 @@ from gonio import _native
 from gonio._native import DomainError, FitError, FormatError
 from gonio.checking import MeasurementOrPath
 from gonio.fit_results import Fit, FitModel, FitParameter, Ranking, fit_of
-from gonio.measurement import JSON_NAME, Measurement
+from gonio.measurement import Measurement
+from gonio.measurement_header import JSON_NAME
 from gonio.model_files import is_zemax
 from gonio.provenance import input_file, provenance
 from gonio.tabulating import tabulate

@@ -13,7 +13,8 @@ import numpy as np
 from gonio import model_files
 from gonio._native import GonioError, Scan, Slice
 from gonio.files import sha256
-from gonio.measurement import JSON_NAME, Measurement
+from gonio.measurement import Measurement
+from gonio.measurement_header import JSON_NAME
 from gonio.model_files import ModelSummary
 from gonio.radiance_materials import read_materials
 from gonio.readings import PathLike, read_file

@@ -17,20 +17,27 @@ from gonio._native import (
     FLAGS,
     DomainError,
     FormatError,
-    HemisphericalIntegral,
     MeasurementData,
+    Resolution,
     Slice,
     Verdict,
 )
 from gonio.files import check_file, replacing_directory, replacing_file, sha256
+from gonio.measurement_header import (
+    FORMAT,
+    FORMAT_VERSION,
+    FRAME,
+    JSON_NAME,
+    PARQUET_NAME,
+    header_of,
+    read_header,
+    resolution_header,
+    slice_header,
+    slices_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
-
-FORMAT = "gonio-measurement"
-FORMAT_VERSION = 1
-JSON_NAME = "measurement.json"
-PARQUET_NAME = "measurement.parquet"
 
 # name -> (unit, long name) of every column of the table; docs/data-model.md carries the same list.
 COLUMNS: dict[str, tuple[str, str]] = {
@@ -46,9 +53,6 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "omega": ("sr", "solid-angle weight of the reading"),
     "flags": ("1", "bit flags of the reading"),
 }
-FRAME = (
-    "right-handed, z = outward normal of the front, x = zero-azimuth mark; every direction leaves the surface"
-)
 
 
 class Measurement:
@@ -63,6 +67,8 @@ class Measurement:
     signature_fwhm
         Full width at half maximum of the instrument signature in degrees: no structure finer than this is
         resolved.
+    resolutions
+        What the readings of each channel with a beam scan resolve: one `Resolution` a channel.
     warnings
         Physics warnings found on the way.
     provenance
@@ -82,12 +88,17 @@ class Measurement:
         *,
         sample_name: str | None = None,
         signature_fwhm: float | None = None,
+        resolutions: Sequence[Resolution] = (),
         warnings: Sequence[str] = (),
         provenance: Mapping[str, Any] | None = None,
         findings: Sequence[Verdict] = (),
     ) -> None:
         self._data = MeasurementData(
-            list(slices), sample_name=sample_name, signature_fwhm=signature_fwhm, warnings=list(warnings)
+            list(slices),
+            sample_name=sample_name,
+            signature_fwhm=signature_fwhm,
+            resolutions=list(resolutions),
+            warnings=list(warnings),
         )
         self._provenance = dict(provenance or {})
         self._findings = list(findings)
@@ -115,6 +126,11 @@ class Measurement:
     def signature_fwhm(self) -> float | None:
         """Full width at half maximum of the instrument signature in degrees, or None without a beam scan."""
         return self._data.signature_fwhm
+
+    @property
+    def resolutions(self) -> list[Resolution]:
+        """What the readings of each channel with a beam scan resolve."""
+        return self._data.resolutions
 
     @property
     def warnings(self) -> list[str]:
@@ -162,7 +178,7 @@ class Measurement:
             "channels": self.channels,
             "readings": sum(readings),
             "warnings": self.warnings,
-            "slices": [_slice_header(s) for s in self.slices],
+            "slices": [slice_header(s) for s in self.slices],
         }
 
     def to_table(self) -> pa.Table:
@@ -274,6 +290,7 @@ class Measurement:
                 "sample_name": self.sample_name or "",
                 "signature_fwhm": np.nan if self.signature_fwhm is None else self.signature_fwhm,
                 "signature_fwhm_units": "degree",
+                "resolutions": json.dumps([resolution_header(r) for r in self.resolutions]),
                 "warnings": json.dumps(self.warnings),
                 "provenance": json.dumps(self.provenance),
             },
@@ -307,23 +324,8 @@ class Measurement:
         table = self.to_table()
         with replacing_directory(path, marker=JSON_NAME, force=force) as staged:
             pq.write_table(table, staged / PARQUET_NAME, compression="zstd")
-            text = json.dumps(self._header(sha256(staged / PARQUET_NAME)), indent=2, allow_nan=False)
+            text = json.dumps(header_of(self, sha256(staged / PARQUET_NAME)), indent=2, allow_nan=False)
             (staged / JSON_NAME).write_text(text + "\n", encoding="utf-8")
-
-    def _header(self, digest: str) -> dict[str, Any]:
-        return {
-            "format": FORMAT,
-            "format_version": FORMAT_VERSION,
-            "sample_name": self.sample_name,
-            "signature_fwhm": self.signature_fwhm,
-            "frame": FRAME,
-            "flags": FLAGS,
-            "warnings": self.warnings,
-            "slices": [_slice_header(s) for s in self.slices],
-            "findings": [v.to_dict() for v in self.findings],
-            "provenance": self.provenance,
-            "table": {"name": PARQUET_NAME, "sha256": digest},
-        }
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Measurement:
@@ -348,7 +350,7 @@ class Measurement:
             raise FileNotFoundError(
                 errno.ENOENT, f"is no measurement directory, it holds no {JSON_NAME}", str(path)
             )
-        header = _read_header(json_path)
+        header = read_header(json_path)
         found = sha256(table_path)
         if found != header["table"]["sha256"]:
             raise FormatError(
@@ -356,87 +358,18 @@ class Measurement:
                 f"{header['table']['sha256'][:12]}…: the file is damaged or belongs to another measurement"
             )
         try:
-            slices = _slices_of(header, pq.read_table(table_path))
+            slices = slices_of(header, pq.read_table(table_path))
             findings = [Verdict(**finding) for finding in header["findings"]]
+            # Measurements saved before 22 November 2026 have none.
+            resolutions = [Resolution(**r) for r in header.get("resolutions", [])]
         except (KeyError, TypeError, pa.ArrowException, DomainError) as error:
             raise FormatError(f"{directory}: found a damaged measurement ({error})") from error
         return cls(
             slices,
             sample_name=header["sample_name"],
             signature_fwhm=header["signature_fwhm"],
+            resolutions=resolutions,
             warnings=header["warnings"],
             provenance=header["provenance"],
             findings=findings,
         )
-
-
-def _slice_header(s: Slice) -> dict[str, Any]:
-    """What holds for a slice as a whole."""
-    return {
-        "theta_i": s.theta_i,
-        "phi_i": s.phi_i,
-        "channel": s.channel,
-        "readings": len(s),
-        "u_common": s.u_common,
-        "integrals": [
-            {
-                "side": i.side,
-                "value": i.value,
-                "extrapolated": i.extrapolated,
-                "u": i.u,
-                "u_quadrature": i.u_quadrature,
-            }
-            for i in s.integrals
-        ],
-    }
-
-
-def _read_header(path: Path) -> dict[str, Any]:
-    """measurement.json, checked for format and version."""
-    try:
-        header = json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise FormatError(f"{path}: found no JSON ({error})") from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise FormatError(f'{path}: found no "format": "{FORMAT}", allowed is a file written by gonio')
-    if header.get("format_version") != FORMAT_VERSION:
-        raise FormatError(
-            f"{path}: format_version: found {header.get('format_version')!r}, allowed {FORMAT_VERSION}"
-        )
-    needed = (
-        "sample_name",
-        "signature_fwhm",
-        "warnings",
-        "slices",
-        "findings",
-        "provenance",
-        "table",
-    )
-    missing = [name for name in needed if name not in header]
-    if missing or not isinstance(header["table"], dict) or "sha256" not in header["table"]:
-        raise FormatError(f"{path}: found no {', '.join(missing) or 'table.sha256'}")
-    return header
-
-
-def _slices_of(header: dict[str, Any], table: pa.Table) -> list[Slice]:
-    """Slices of a saved table; the table lists the slices one after the other."""
-    slices, start = [], 0
-    for entry in header["slices"]:
-        part = table.slice(start, entry["readings"])
-        start += entry["readings"]
-        columns = {
-            name: part[name].to_numpy() for name in ("theta_s", "phi_s", "dsf", "u_dsf", "omega", "flags")
-        }
-        slices.append(
-            Slice(
-                theta_i=entry["theta_i"],
-                phi_i=entry["phi_i"],
-                channel=entry["channel"],
-                u_common=entry["u_common"],
-                integrals=[HemisphericalIntegral(**i) for i in entry["integrals"]],
-                **columns,
-            )
-        )
-    if start != table.num_rows:
-        raise DomainError(f"readings: found {table.num_rows} rows, the header allows {start}")
-    return slices

@@ -10,7 +10,8 @@ from gonio import _native
 from gonio._native import DomainError, MeasurementData, QuantityError, Scan
 from gonio.campaigns import beam_for_each, idle_beam, one_sample, repeated_incidences
 from gonio.files import check_directory
-from gonio.measurement import JSON_NAME, Measurement
+from gonio.measurement import Measurement
+from gonio.measurement_header import JSON_NAME
 from gonio.provenance import input_file, provenance
 from gonio.readings import PathLike, read_file
 from gonio.working import Progress, interruptible, silent

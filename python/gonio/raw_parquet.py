@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from gonio._native import DomainError, FormatError, QuantityError, Scan
 from gonio.files import replacing_file
-from gonio.measurement import FORMAT as MEASUREMENT
+from gonio.measurement_header import FORMAT as MEASUREMENT
 
 FORMAT = "gonio-raw"
 FORMAT_VERSION = 1

@@ -223,3 +223,20 @@ def test_an_option_out_of_range_is_named(plastic, options, says):
 def test_a_channel_that_was_not_measured_is_named(plastic):
     with pytest.raises(gonio.QuantityError, match="photopic"):
         gonio.fit(plastic, model="plastic", channels=["red"])
+
+
+def test_a_saved_measurement_is_fitted_like_the_one_in_memory(tmp_path):
+    # A beam nearly as wide as the lobe: without its second moment alpha would come out wide.
+    campaign = gonio.simulate(
+        material="metal",
+        incidences=[(20, 0), (50, 0)],
+        instrument={"beam_radius": 1.5, "pitch_across": 8, "pitch_along": 2, "patch_pitch": 1},
+        out=tmp_path / "raw",
+    )
+    measured = gonio.process(campaign.sample, beam=campaign.beam, dark=campaign.dark)
+    measured.save(tmp_path / "measured")
+    now = gonio.fit(measured, model="metal")
+    later = gonio.fit(gonio.Measurement.load(tmp_path / "measured"), model="metal")
+    for a, b in zip(now.estimates, later.estimates, strict=True):
+        assert b.value == pytest.approx(a.value, rel=1e-6)
+        assert b.u == pytest.approx(a.u, rel=1e-4)

@@ -28,12 +28,25 @@ def piece(theta_i=30.0, *, channel="532nm", readings=5):
     )
 
 
+RESOLUTION = gonio.Resolution(
+    channel="photopic",
+    fwhm=0.7,
+    radius_50=0.35,
+    radius_90=0.6,
+    second_moment=0.15,
+    receiver_radius=0.25,
+    spot_radius=0.1,
+)
+SAID = ("channel", "fwhm", "radius_50", "radius_90", "second_moment", "receiver_radius", "spot_radius")
+
+
 @pytest.fixture
 def measurement():
     return gonio.Measurement(
         [piece(), piece(60.0, channel="photopic", readings=3)],
         sample_name="PTFE",
         signature_fwhm=0.7,
+        resolutions=[RESOLUTION],
         warnings=["dhr above 1"],
         provenance={"inputs": [{"name": "a.txt", "sha256": "0" * 64}]},
     )
@@ -56,9 +69,19 @@ def test_a_saved_measurement_comes_back(measurement, tmp_path):
         same(a, b)
     assert back.sample_name == "PTFE"
     assert back.signature_fwhm == pytest.approx(0.7)
+    (resolution,) = back.resolutions
+    for name in SAID:
+        assert getattr(resolution, name) == pytest.approx(getattr(RESOLUTION, name))
     assert back.warnings == ["dhr above 1"]
     assert back.provenance == measurement.provenance
     assert sorted(p.name for p in tmp_path.iterdir()) == ["m"]
+
+
+def test_a_resolution_must_be_positive():
+    figures = {"channel": "photopic", "fwhm": 0.7, "radius_50": 0.3, "radius_90": 0.6, "second_moment": 0.1}
+    for name in ("fwhm", "radius_50", "radius_90", "second_moment", "receiver_radius", "spot_radius"):
+        with pytest.raises(gonio.DomainError, match=rf"{name}: found 0.*> 0"):
+            gonio.Resolution(**figures | {name: 0.0})
 
 
 def test_the_bsdf_is_the_dsf_over_the_cosine_and_nan_on_the_horizon():

@@ -60,7 +60,10 @@ def test_the_demo_writes_every_product_and_the_same_figures_again(tmp_path):
     assert result.held, claims(result.comparison)
     assert result.report.stat().st_size > 100_000
     assert len(gonio.Measurement.load(result.measured).slices) == len(result.campaign.sample)
-    assert {p.name for p in (tmp_path / "demo").rglob("*.xml")} == {"radiance-klems.xml", "radiance-ttree.xml"}
+    assert {p.name for p in (tmp_path / "demo").rglob("*.xml")} == {
+        "radiance-klems.xml",
+        "radiance-ttree.xml",
+    }
     second = gonio.demo(out=tmp_path / "demo").to_dict()
     assert first | {"seconds": 0} == second | {"seconds": 0}
 

@@ -4,6 +4,7 @@ use gonio_geom::Component;
 use nalgebra::DMatrix;
 
 use crate::FitModel;
+use crate::model::Part;
 
 /// One number that the search varies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,6 +90,22 @@ impl<'a> Chart<'a> {
         self.at[channel]
             .iter()
             .map(|&v| self.variables[v].value(x[v]))
+            .collect()
+    }
+
+    /// Ratio of the sines of incidence and of unscattered transmission in each channel: of the first part with an
+    /// interface, 1 without one.
+    pub(crate) fn index_ratios(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.at.len())
+            .map(|channel| {
+                let q = self.parameters(x, channel);
+                let of = |part: &Part| {
+                    let values: Vec<f64> = part.values.iter().map(|v| v.value(&q)).collect();
+                    part.family.index_ratio(&values)
+                };
+                let mut ratios = self.model.parts.iter().map(of);
+                ratios.find(|r| *r != 1.0).unwrap_or(1.0)
+            })
             .collect()
     }
 

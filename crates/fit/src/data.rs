@@ -41,6 +41,8 @@ pub(crate) struct FitData {
     pub(crate) excluded: Vec<Exclusion>,
     /// Beam profile of each channel.
     pub(crate) profiles: Vec<Option<Profile>>,
+    /// Ratio of the sines of incidence and of unscattered transmission, each channel: the model's at hand.
+    pub(crate) index_ratios: Vec<f64>,
     /// Components seen in usable readings that the model does not describe.
     pub(crate) other_component: Option<(Component, usize)>,
     /// Share of all readings of the selected channels that are no data.
@@ -83,10 +85,10 @@ impl FitData {
         let of_slice = |&(k, channel, incidence): &(usize, usize, usize)| {
             let slice = &measurement.slices[k];
             let mut sorted = sort(slice, selection, described);
-            let mut beams = measurement.processing.beams.iter();
-            let beam = beams.find(|b| signature && b.channel == slice.channel);
-            let resolution =
-                beam.map(|b| resolution_uncertainty(slice, b.signature.second_moment, b.signature.fwhm));
+            let mut resolutions = measurement.resolutions.iter();
+            let resolution = resolutions
+                .find(|r| signature && r.channel == slice.channel)
+                .map(|r| resolution_uncertainty(slice, r.second_moment, r.fwhm));
             let mut slabs = Vec::new();
             for component in COMPONENTS {
                 let index = std::mem::take(&mut sorted.kept[slot(component)]);
@@ -125,6 +127,7 @@ impl FitData {
             .map(|c| Profile::of_measurement(measurement, *c).filter(|_| signature))
             .collect();
         let mut data = FitData {
+            index_ratios: vec![1.0; channels.len()],
             channels,
             incidences,
             slabs,
@@ -167,7 +170,7 @@ impl FitData {
                 .collect();
             return;
         };
-        let profiles = &self.profiles;
+        let (profiles, index_ratios) = (&self.profiles, &self.index_ratios);
         let blocks: Vec<Vec<Block>> = self
             .slabs
             .par_iter_mut()
@@ -181,16 +184,15 @@ impl FitData {
                     levels.sort_unstable();
                 }
                 let profile = profiles[slab.channel].as_ref();
+                let index_ratio = index_ratios[slab.channel];
                 let mut blocks = Vec::new();
                 for run in levels.chunk_by(|a, b| a == b) {
                     let start = blocks.last().map_or(0, |b: &Block| b.rows.end);
                     let rows = start..start + run.len();
-                    let rule = profile
-                        .filter(|_| run[0] > 0)
-                        .map(|p| p.rule(run[0] as usize - 1));
+                    let rule = profile.filter(|_| run[0] > 0).map(|p| (p, run[0] as usize - 1));
                     blocks.push(Block {
                         slab: s,
-                        nodes: rule.map(|rule| Nodes::new(slab, rows.clone(), rule)),
+                        nodes: rule.map(|rule| Nodes::new(slab, rows.clone(), rule, index_ratio)),
                         rows,
                     });
                 }
@@ -261,6 +263,7 @@ impl FitData {
             incidences: self.incidences.clone(),
             excluded: self.excluded.clone(),
             profiles: self.profiles.clone(),
+            index_ratios: self.index_ratios.clone(),
             other_component: self.other_component,
             missing: self.missing,
         }

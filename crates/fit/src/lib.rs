@@ -8,6 +8,7 @@ mod data;
 pub mod error;
 mod estimate;
 mod fitting;
+mod footprint;
 mod limits;
 pub mod metric;
 pub mod model;

@@ -1,7 +1,6 @@
 //! The instrument signature as a quadrature rule: a model is compared with readings as the instrument would see it.
 
-use gonio_geom::Direction;
-use gonio_scan::{Beam, Measurement, Signature};
+use gonio_scan::{Measurement, Resolution};
 use nalgebra::{DMatrix, SymmetricEigen};
 use std::f64::consts::{LN_2, TAU};
 
@@ -26,6 +25,10 @@ pub struct Profile {
     pub shape: f64,
     /// Second moment `<gamma^2>`, rad^2.
     pub second_moment: f64,
+    /// The share of `second_moment` that the receiver aperture makes; the beam's divergence makes the rest.
+    pub receiver_share: Option<f64>,
+    /// Second moment of the lit spot, a disk seen from the detector at normal incidence, over `second_moment`.
+    pub spot_share: f64,
     rules: Vec<Vec<Node>>,
 }
 
@@ -53,6 +56,8 @@ impl Profile {
         Some(Profile {
             shape,
             second_moment,
+            receiver_share: None,
+            spot_share: 0.0,
             rules,
         })
     }
@@ -63,19 +68,24 @@ impl Profile {
     }
 
     /// The profile of a measured signature; `None` when its moments are not finite.
-    pub fn of(signature: &Signature) -> Option<Self> {
-        let ratio = signature.radius_90 / signature.radius_50;
-        Profile::new(shape_of(ratio), signature.second_moment)
+    pub fn of(resolution: &Resolution) -> Option<Self> {
+        let ratio = resolution.radius_90 / resolution.radius_50;
+        let profile = Profile::new(shape_of(ratio), resolution.second_moment)?;
+        Some(Profile {
+            receiver_share: resolution.receiver_share(),
+            spot_share: 0.5 * resolution.spot_radius.unwrap_or(0.0).powi(2) / resolution.second_moment,
+            ..profile
+        })
     }
 
     /// The profile of `channel` in a measurement: of its beam, or a Gaussian of the stated width.
     pub fn of_measurement(measurement: &Measurement, channel: gonio_bsdf::Channel) -> Option<Self> {
-        let own = |b: &&Beam| b.channel == channel;
-        let beams = &measurement.processing.beams;
-        beams
+        let own = |r: &&Resolution| r.channel == channel;
+        measurement
+            .resolutions
             .iter()
             .find(own)
-            .and_then(|b| Profile::of(&b.signature))
+            .and_then(Profile::of)
             .or_else(|| measurement.signature_fwhm.and_then(Profile::gaussian))
     }
 
@@ -93,15 +103,6 @@ impl Profile {
     pub fn rule(&self, level: usize) -> &[Node] {
         &self.rules[level]
     }
-}
-
-/// The direction of `node` about `centre`.
-pub(crate) fn offset(centre: Direction, node: &Node) -> Direction {
-    let v = centre.vec();
-    let (a, b) = v.any_orthonormal_pair();
-    let (sin, cos) = node.gamma.sin_cos();
-    let (sp, cp) = node.psi.sin_cos();
-    Direction::new(v * cos + (a * cp + b * sp) * sin).unwrap_or(centre)
 }
 
 /// Squared radii (in units of `w^2`) and shares of the power.

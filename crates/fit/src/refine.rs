@@ -25,6 +25,8 @@ const PLAN_ROUNDS: usize = 5;
 /// Error of a quadrature rule that is allowed, in standard deviations and as a fraction of the DSF.
 const RULE_SIGMA: f64 = 0.02;
 const RULE_RELATIVE: f64 = 1e-4;
+/// Relative change of an interface's index ratio that asks for new rules.
+const RATIO_MOVED: f64 = 1e-3;
 
 /// Readings whose rules are tried at once.
 const PLANNED: usize = 64;
@@ -119,6 +121,7 @@ pub(crate) fn refine(
     if data.profiles.iter().all(Option::is_none) {
         return settle(chart, data, goal, start, bounds, options);
     }
+    data.index_ratios = chart.index_ratios(start);
     let mut levels = plan(chart, data, start);
     data.rebuild(Some(&mut levels));
     let mut found = settle(chart, data, goal, start, bounds, options);
@@ -126,9 +129,12 @@ pub(crate) fn refine(
         if found.stop == Stop::Cancelled || found.stop == Stop::NotFinite {
             break;
         }
-        let next = plan(chart, data, &found.x);
+        let ratios = chart.index_ratios(&found.x);
+        let moved = |(old, new): (&f64, &f64)| (old - new).abs() > RATIO_MOVED * old;
         // Finer rules than needed do no harm; only readings that need more matter.
-        let mut finer = false;
+        let mut finer = data.index_ratios.iter().zip(&ratios).any(moved);
+        data.index_ratios = ratios;
+        let next = plan(chart, data, &found.x);
         for (old, new) in levels.iter_mut().flatten().zip(next.iter().flatten()) {
             finer |= new > old;
             *old = (*old).max(*new);
@@ -147,6 +153,7 @@ pub(crate) fn refine(
 /// Folds the beam profile into the predictions of the model at `x` where it changes them.
 pub(crate) fn fold_in_beam(chart: &Chart<'_>, data: &mut FitData, x: &[f64]) {
     if data.profiles.iter().any(Option::is_some) {
+        data.index_ratios = chart.index_ratios(x);
         let mut levels = plan(chart, data, x);
         data.rebuild(Some(&mut levels));
     }
@@ -171,7 +178,9 @@ fn plan(chart: &Chart<'_>, data: &FitData, x: &[f64]) -> Vec<Vec<u8>> {
             let mut with_rule = |index: &[u32], level: usize| -> Vec<f64> {
                 let mut out = Vec::with_capacity(index.len());
                 for some in index.chunks(PLANNED) {
-                    let nodes = Nodes::new(slab, some.iter().map(|j| *j as usize), profile.rule(level));
+                    let rows = some.iter().map(|j| *j as usize);
+                    let ratio = data.index_ratios[slab.channel];
+                    let nodes = Nodes::new(slab, rows, (profile, level), ratio);
                     let view = nodes.pairs.view(0..nodes.pairs.len());
                     scratch.evaluate(chart, &local, (view, &nodes.weights), false);
                     out.extend_from_slice(&scratch.predicted[..some.len()]);

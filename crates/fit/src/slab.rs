@@ -9,8 +9,9 @@ use gonio_scan::Slice;
 
 use crate::NoiseLaw;
 use crate::cells::Cells;
+use crate::footprint::Footprint;
 use crate::noise_law::{quantile, thin};
-use crate::profile::{Node, offset};
+use crate::profile::Profile;
 
 /// The usable readings of one slice and one component.
 #[derive(Clone, Debug)]
@@ -61,12 +62,25 @@ pub(crate) struct Nodes {
 }
 
 impl Nodes {
-    /// The directions about the readings `rows` of `slab`.
-    pub(crate) fn new(slab: &Slab, rows: impl ExactSizeIterator<Item = usize>, rule: &[Node]) -> Self {
-        let mut pairs = Pairs::with_capacity(slab.pairs.wi(), rows.len() * rule.len());
+    /// The directions of rule `level` of `profile` about the readings `rows` of `slab`, seen through an interface of
+    /// `index_ratio`.
+    pub(crate) fn new(
+        slab: &Slab,
+        rows: impl ExactSizeIterator<Item = usize>,
+        (profile, level): (&Profile, usize),
+        index_ratio: f64,
+    ) -> Self {
+        let rule = profile.rule(level);
+        let wi = slab.pairs.wi();
+        let footprint = match slab.component {
+            Component::Reflection => Footprint::Round,
+            Component::Transmission => Footprint::refracted(profile, wi, index_ratio),
+        };
+        let mut pairs = Pairs::with_capacity(wi, rows.len() * rule.len());
         for j in rows {
             let centre = slab.pairs.ws(j);
-            rule.iter().for_each(|node| pairs.push(offset(centre, node)));
+            rule.iter()
+                .for_each(|node| pairs.push(footprint.offset(centre, node)));
         }
         Nodes {
             pairs,

@@ -13,6 +13,7 @@ mod model_files;
 mod processing;
 mod radiance;
 mod radiance_material;
+mod resolution;
 mod rgl;
 mod scan;
 mod simulate;
@@ -40,6 +41,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     radiance_material::register(m)?;
     rgl::register(m)?;
     scan::register(m)?;
+    resolution::register(m)?;
     slice::register(m)?;
     tabulate::register(m)?;
     verdict::register(m)?;

@@ -11,6 +11,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{Column, FlagColumn, angles, canonical_columns, column, degrees};
 use crate::errors::{OrRaise, domain};
+use crate::resolution::Resolution;
 
 /// DHR (same side as the incidence) or DHT (other side) of one slice.
 #[pyclass(frozen, module = "gonio", name = "HemisphericalIntegral")]
@@ -254,11 +255,12 @@ impl From<core::Measurement> for MeasurementData {
 #[pymethods]
 impl MeasurementData {
     #[new]
-    #[pyo3(signature = (slices, *, sample_name=None, signature_fwhm=None, warnings=Vec::new()))]
+    #[pyo3(signature = (slices, *, sample_name=None, signature_fwhm=None, resolutions=Vec::new(), warnings=Vec::new()))]
     fn new(
         slices: Vec<PyRef<'_, Slice>>,
         sample_name: Option<String>,
         signature_fwhm: Option<f64>,
+        resolutions: Vec<PyRef<'_, Resolution>>,
         warnings: Vec<String>,
     ) -> PyResult<Self> {
         if let Some(fwhm) = signature_fwhm
@@ -270,6 +272,7 @@ impl MeasurementData {
             slices: slices.iter().map(|s| s.get().clone()).collect(),
             sample_name,
             signature_fwhm: signature_fwhm.map(f64::to_radians),
+            resolutions: resolutions.iter().map(|r| r.0.clone()).collect(),
             warnings,
             ..Default::default()
         }
@@ -306,6 +309,12 @@ impl MeasurementData {
     #[getter]
     fn signature_fwhm(&self) -> Option<f64> {
         self.0.signature_fwhm.map(f64::to_degrees)
+    }
+
+    /// What the readings of each channel with a beam scan resolve.
+    #[getter]
+    fn resolutions(&self) -> Vec<Resolution> {
+        self.0.resolutions.iter().cloned().map(Resolution).collect()
     }
 
     /// Physics warnings.

@@ -3,10 +3,11 @@
 use gonio_bsdf::{Channel, Quantity};
 use gonio_geom::{DVec3, Direction};
 
+use crate::flagging::half_angle;
 use crate::phase::raster_uncertainty;
 use crate::robust::mean_and_deviation;
 use crate::weigh::patch_omega;
-use crate::{NoiseModel, Scan, ScanError, ScanKind, Signature};
+use crate::{NoiseModel, Resolution, Scan, ScanError, ScanKind, Signature};
 
 /// What a reference scan of one channel says about the beam.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub struct Beam {
     pub signature: Signature,
     /// Detector distance of the reference scan, metres.
     pub distance: Option<f64>,
+    /// Diameter of the beam at the sample, metres.
+    pub spot_diameter: Option<f64>,
     /// Receiver solid angle of the reference scan, sr.
     pub receiver_solid_angle: Option<f64>,
     /// Gain of the reference scan as its record names it.
@@ -36,6 +39,26 @@ pub struct Beam {
 }
 
 impl Beam {
+    /// What readings of this beam resolve; `None` when its raster is too coarse to tell.
+    pub fn resolution(&self) -> Option<Resolution> {
+        let s = &self.signature;
+        let known = |v: f64| v.is_finite() && v > 0.0;
+        let all = [s.fwhm, s.radius_50, s.radius_90, s.second_moment];
+        all.into_iter().all(known).then(|| Resolution {
+            channel: self.channel,
+            fwhm: s.fwhm,
+            radius_50: s.radius_50,
+            radius_90: s.radius_90,
+            second_moment: s.second_moment,
+            receiver_radius: self.receiver_solid_angle.map(half_angle).filter(|r| known(*r)),
+            spot_radius: self
+                .spot_diameter
+                .zip(self.distance)
+                .map(|(spot, distance)| 0.5 * spot / distance)
+                .filter(|r| known(*r)),
+        })
+    }
+
     /// Relative combined standard uncertainty of the power.
     ///
     /// Repeated scans scatter by noise and raster phase, which are known. Where they scatter by more, the beam itself
@@ -113,6 +136,7 @@ pub fn beam_power(scans: &[Scan], noise: &NoiseModel, u_dark: f64) -> Result<Bea
         u_repeatability: (powers.len() > 1).then(|| deviation / n.sqrt() / power),
         signature: singles[0].signature,
         distance: first.meta.distance,
+        spot_diameter: first.meta.beam_diameter,
         receiver_solid_angle: first.meta.receiver_solid_angle,
         gain: first.meta.other.get("gain").cloned(),
         scans: scans.len(),

@@ -45,6 +45,6 @@ pub use process::{ProcessOptions, process, process_owned};
 pub use processing::Processing;
 pub use readings::{Scan, ScanKind, ScanMeta};
 pub use relative::{Standard, process_relative};
-pub use signature::Signature;
+pub use signature::{Resolution, Signature};
 pub use tabulate::{Spacing, Tabulation, tabulate};
 pub use verdict::{Level, Verdict};

@@ -3,7 +3,7 @@
 use gonio_bsdf::Channel;
 use gonio_geom::{Angles, Direction, Side};
 
-use crate::{Flags, Processing};
+use crate::{Flags, Processing, Resolution};
 
 /// A hemispherical integral of the DSF of one slice, with what was measured and what had to be extrapolated apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +88,8 @@ pub struct Measurement {
     pub sample_name: Option<String>,
     /// Full width at half maximum of the instrument signature, radians: the resolution limit.
     pub signature_fwhm: Option<f64>,
+    /// The signature of each channel with a beam scan.
+    pub resolutions: Vec<Resolution>,
     /// Physics warnings found on the way (also logged).
     pub warnings: Vec<String>,
     /// What the processing found out about the instrument and the corrections.

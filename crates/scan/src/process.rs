@@ -199,11 +199,13 @@ pub(crate) fn assemble(
         .map(|b| b.signature.fwhm)
         .filter(|w| w.is_finite())
         .max_by(f64::total_cmp);
+    let resolutions = beams.iter().filter_map(Beam::resolution).collect();
     processing.beams = beams;
     Measurement {
         slices,
         sample_name,
         signature_fwhm,
+        resolutions,
         warnings,
         processing,
     }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use gonio_bsdf::Channel;
 use gonio_geom::{DVec3, Direction};
 
 /// Angular profile of the unscattered beam as the detector sees it (beam convolved with the receiver aperture).
@@ -24,6 +25,35 @@ pub struct Signature {
     pub offset: f64,
     /// Direction of the centroid.
     pub centroid: Direction,
+}
+
+/// What the readings of one channel resolve: the figures of its instrument signature that later steps need.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resolution {
+    /// Spectral channel.
+    pub channel: Channel,
+    /// Full width at half maximum, radians.
+    pub fwhm: f64,
+    /// Angle from the centroid that holds 50 % of the power, radians.
+    pub radius_50: f64,
+    /// Angle from the centroid that holds 90 % of the power, radians.
+    pub radius_90: f64,
+    /// Second moment `<gamma^2>` about the centroid, rad^2: of the beam and of the receiver aperture together.
+    pub second_moment: f64,
+    /// Half angle of the receiver aperture seen from the sample, radians; `None` where it is not known.
+    pub receiver_radius: Option<f64>,
+    /// Radius of the lit spot at normal incidence over the detector's distance; `None` where either is not known.
+    pub spot_radius: Option<f64>,
+}
+
+impl Resolution {
+    /// The share of `second_moment` that the receiver aperture makes, a disk: `a^2 / 2`; the beam's divergence makes the
+    /// rest. `None` without its radius.
+    pub fn receiver_share(&self) -> Option<f64> {
+        let own = 0.5 * self.receiver_radius?.powi(2);
+        let share = own / self.second_moment;
+        share.is_finite().then(|| share.clamp(0.0, 1.0))
+    }
 }
 
 /// Bins of the radial profile a half width at half maximum is resolved into, at most.

@@ -12,7 +12,8 @@ from gonio._drawing.shapes import Snapshot, snapshot
 from gonio._native import DomainError
 from gonio.files import replacing_file
 from gonio.fit_results import Estimate, Fit, SliceResidual
-from gonio.measurement import JSON_NAME, Measurement
+from gonio.measurement import Measurement
+from gonio.measurement_header import JSON_NAME
 from gonio.reporting import fit_figures, provenance
 from gonio.reporting.header import grouped
 from gonio.reporting.page import environment, static

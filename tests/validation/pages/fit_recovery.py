@@ -24,12 +24,6 @@ hold in 19 cases of 20. The last column is the root mean square of error over st
 {table}
 Amplitudes share the error of the beam's power, which is drawn anew in every campaign. Widths come out high by .1 to .4 `u`; the spot's
 parallax is not in the signature.
-
-Light that an interface refracts follows the beam's divergence by less than its angle, and is no longer focused on the detector: the
-signature, taken from the bare beam, is too wide for it, and `alpha` comes out low where the transmission lobe is not much wider
-than the beam. For `beckmann-dielectric` the median error of `alpha` is -1.9 `u` with this instrument, -2.7 `u` with a spot of .1 mm, and
--5.2 `u` when the aperture is .02° besides, which leaves the beam's divergence alone; with a beam of .02° and an aperture of .1° it is
--.5 `u` (16 materials each). `ggx-dielectric`, with its heavier tails, does not show it.
 """
 
 
