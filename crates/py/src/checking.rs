@@ -34,7 +34,29 @@ fn repeatability(py: Python<'_>, measurements: Vec<PyRef<'_, MeasurementData>>) 
     found.or_raise().map(|v| Verdict::from(&v))
 }
 
+/// The reciprocity check alone, of the slices in `channels` (none: all).
+#[pyfunction]
+#[pyo3(signature = (measurement, *, channels, isotropic=None))]
+fn reciprocity(
+    py: Python<'_>,
+    measurement: &MeasurementData,
+    channels: Vec<String>,
+    isotropic: Option<bool>,
+) -> Verdict {
+    let measurement = Arc::clone(&measurement.0);
+    let wanted = |s: &&core::Slice| channels.is_empty() || channels.contains(&s.channel.to_string());
+    let found = py.detach(|| {
+        if channels.is_empty() {
+            return core::reciprocity(&measurement.slices, isotropic);
+        }
+        let slices: Vec<core::Slice> = measurement.slices.iter().filter(wanted).cloned().collect();
+        core::reciprocity(&slices, isotropic)
+    });
+    Verdict::from(&found)
+}
+
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(check, m)?)?;
+    m.add_function(wrap_pyfunction!(reciprocity, m)?)?;
     m.add_function(wrap_pyfunction!(repeatability, m)?)
 }

@@ -55,6 +55,12 @@ pub fn check(measurement: &Measurement, options: &CheckOptions) -> Vec<Verdict> 
     out
 }
 
+/// The reciprocity check of [`check`] alone, of `slices`: what a reciprocal model asks of a measurement. `isotropic` as in
+/// [`CheckOptions`].
+pub fn reciprocity(slices: &[Slice], isotropic: Option<bool>) -> Verdict {
+    reciprocity::check(&reciprocity::pairs(slices, isotropic))
+}
+
 /// `532nm at theta_i 30.00, phi_i 0.00 deg`.
 fn name(slice: &Slice) -> String {
     format!("{} at {}", slice.channel, crate::blank::place(slice.incidence))
