@@ -7,9 +7,6 @@ from collections.abc import Collection
 from gonio._native import DomainError
 from gonio.fit_results import Estimate, Fit
 
-UNKNOWN = 0.05
-"""An amplitude or width whose u exceeds both this and its value is not known."""
-
 NEGLIGIBLE = 1e-3
 """Shares of the light below this do not make the shape of their lobe matter."""
 
@@ -20,9 +17,9 @@ SAME_WIDTHS = 0.01
 def require_known(fit: Fit, what: str, *, without: Collection[str] = ()) -> None:
     """Refuse a fit that leaves open a parameter of the material `what`.
 
-    A parameter is open where the readings do not depend on it, and an amplitude or width, too, where its
-    standard uncertainty is larger than its value and than `UNKNOWN`: specularity 1 with u = 1e8. The names
-    `without` do not matter, nor does the azimuth of a lobe as wide along x as along y.
+    A parameter is open where the readings do not depend on it, or say hardly more of it than its bounds do
+    (`Estimate.open`): specularity 1 with u = 1e8. A shape at the end of its range still is a material. The
+    names `without` do not matter, nor does the azimuth of a lobe as wide along x as along y.
 
     Raises
     ------
@@ -40,12 +37,9 @@ def require_known(fit: Fit, what: str, *, without: Collection[str] = ()) -> None
 
 
 def _open(e: Estimate) -> str | None:
-    # Reflectance depends on k squared: at k = 0, no absorption, its derivative says nothing of the readings.
-    if e.role == "index" and abs(e.value) < NEGLIGIBLE:
-        return None
-    if e.kind == "undetermined":
+    if e.open == "undetermined":
         return "undetermined (the readings do not depend on it)"
-    if e.kind == "value" and e.role in ("amplitude", "width") and e.u > max(abs(e.value), UNKNOWN):
+    if e.open == "vague":
         return f"{e.value:.4g} with a standard uncertainty of {e.u:.2g}"
     return None
 

@@ -72,6 +72,10 @@ class Estimate:
         value, upper_limit (the beam hides the lobe: below `high` is all that is known), fixed, undetermined.
     interval
         Where `low` and `high` come from: quadratic (curvature at the minimum) or profile.
+    open
+        Why the readings leave the value open: undetermined (they do not depend on it), vague (they say hardly
+        more than the bounds do) or range (a shape at the end of its range); None where they determine it.
+        docs/fit.md has the limits.
     """
 
     name: str
@@ -87,6 +91,7 @@ class Estimate:
     kind: str
     interval: str
     meaning: str
+    open: str | None = None
 
     @property
     def label(self) -> str:
@@ -134,6 +139,20 @@ class FitWarning:
 
 
 @dataclass(frozen=True)
+class LargestAlbedo:
+    """The largest directional albedo (DHR + DHT) of a fitted model at the measured incidences.
+
+    `u` is its standard uncertainty from the covariance of the parameters.
+    """
+
+    value: float
+    u: float
+    theta_i: float
+    phi_i: float
+    channel: str
+
+
+@dataclass(frozen=True)
 class Correlation:
     """Two estimates, by label, that are correlated by `value`."""
 
@@ -175,6 +194,8 @@ class Fit:
         DSF in 1/sr as the instrument sees it, one array a slice; NaN where a reading did not take part.
     held_out
         Errors at each incidence from a fit to the others; empty when not asked for or with one incidence.
+    albedo
+        The largest albedo at the measured incidences; None where the model refuses its parameters.
     warnings
         What to know before the parameters are used.
     parts
@@ -207,6 +228,7 @@ class Fit:
     residuals: tuple[SliceResidual, ...]
     predicted: tuple[NDArray[np.float64], ...]
     held_out: tuple[HeldOut, ...]
+    albedo: LargestAlbedo | None
     warnings: tuple[FitWarning, ...]
     parts: tuple[Mapping[str, Any], ...]
     provenance: Mapping[str, Any]
@@ -291,6 +313,7 @@ class Fit:
             "excluded": dict(self.excluded),
             "residuals": [asdict(r) for r in self.residuals],
             "held_out": [asdict(h) for h in self.held_out],
+            "albedo": None if self.albedo is None else asdict(self.albedo),
             "warnings": [asdict(w) for w in self.warnings],
             "parts": [dict(p) for p in self.parts],
             "provenance": dict(self.provenance),
@@ -302,13 +325,14 @@ class Fit:
 class Ranking:
     """Models compared on the same readings, best first.
 
-    `fits` are those that could be fitted, `failed` tells why others could not, `sentence` what the comparison
-    says.
+    `fits` are those that could be fitted, `failed` tells why others could not, `passed_over` what speaks
+    against models of smaller error than the first, `sentence` what the comparison says.
     """
 
     fits: tuple[Fit, ...]
     failed: Mapping[str, str]
     sentence: str
+    passed_over: Mapping[str, str] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """One row a model: errors at left-out incidences, criterion of Akaike, where it is worst."""
@@ -317,6 +341,7 @@ class Ranking:
             "sentence": self.sentence,
             "models": [_row(f) | {"delta_aicc": _above(f.aicc, best)} for f in self.fits],
             "failed": dict(self.failed),
+            "passed_over": dict(self.passed_over),
         }
 
 
@@ -360,9 +385,10 @@ def fit_of(
     *,
     held_out: Sequence[Mapping[str, Any]],
     provenance: Mapping[str, Any],
+    warnings: Sequence[FitWarning] = (),
     ranking: Ranking | None = None,
 ) -> Fit:
-    """The plain data of a native fit."""
+    """The plain data of a native fit; `warnings` follow its own."""
     n = len(data.estimates)
     return Fit(
         model=data.model,
@@ -376,7 +402,8 @@ def fit_of(
         residuals=_residuals(data.residuals),
         predicted=tuple(data.predicted),
         held_out=tuple(HeldOut(**{**h, "residuals": _residuals(h["residuals"])}) for h in held_out),
-        warnings=tuple(FitWarning(code, text) for code, text in data.warnings),
+        albedo=None if data.albedo is None else LargestAlbedo(**data.albedo),
+        warnings=(*(FitWarning(code, text) for code, text in data.warnings), *warnings),
         parts=tuple(data.parts),
         provenance=provenance,
         ranking=ranking,

@@ -16,7 +16,7 @@ use crate::result::{Fit, OtherMetric};
 use crate::selection::phrase;
 use crate::solver::{Solution, SolverOptions, Stop};
 use crate::start::{narrow_first, search, starts};
-use crate::{Estimate, FitError, FitModel, FitOptions, Interval, Kind, report, warnings};
+use crate::{Estimate, FitError, FitModel, FitOptions, Interval, Kind, albedo, report, warnings};
 
 /// Highest reading in standard deviations of the noise floor, and share of readings above three of them, from which a
 /// channel carries a signal.
@@ -91,10 +91,12 @@ pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>
         converged: solution.stop.converged(),
         residuals: report::residuals(&data, &predicted),
         predicted: report::by_slice(measurement, &data, &predicted),
+        albedo: None,
         warnings: Vec::new(),
         estimates,
     };
     fit.aicc = report::aicc(&fit, &data);
+    fit.albedo = albedo::largest(&fit, &data.incidences);
     fit.warnings = warnings::of(&fit, &data, &setting);
     Ok(fit)
 }
@@ -338,6 +340,7 @@ fn estimates(
                 high: variable.value((x + Z95 * u_x).min(setting.high[k])),
                 kind,
                 interval: Interval::Quadratic,
+                open: None,
             };
             if let Some(s) = known {
                 let doubtful = mistrusted(variable.log, x, u_x, setting.low[k], setting.high[k]);
@@ -366,6 +369,9 @@ fn estimates(
             } else if kind == Kind::Undetermined {
                 (estimate.low, estimate.high) = (parameter.low, parameter.high);
             }
+            let near = 1e-6 * (setting.high[k] - setting.low[k]).abs();
+            let at_end = x - setting.low[k] <= near || setting.high[k] - x <= near;
+            estimate.open = estimate.openness(parameter.low, parameter.high, at_end);
             estimate
         })
         .collect()

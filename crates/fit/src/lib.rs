@@ -1,5 +1,6 @@
 //! Analytic models from measurements: parameters, their uncertainties, and which model the data support.
 
+mod albedo;
 mod canonical;
 mod cells;
 mod chart;
@@ -18,6 +19,7 @@ mod objective;
 mod options;
 pub mod product;
 pub mod profile;
+mod ranking;
 pub mod recipes;
 mod refine;
 mod report;
@@ -30,9 +32,10 @@ mod sorting;
 mod start;
 mod warnings;
 
+pub use albedo::LargestAlbedo;
 pub use data::Weights;
 pub use error::FitError;
-pub use estimate::{Estimate, Interval, Kind};
+pub use estimate::{Estimate, Interval, Kind, Open};
 pub use fitting::fit;
 pub use metric::{Loss, Metric};
 pub use model::{FitModel, Parameter, Part};
@@ -40,7 +43,8 @@ pub use noise_law::NoiseLaw;
 pub use options::FitOptions;
 pub use product::{Factor, Product};
 pub use profile::Profile;
+pub use ranking::Ranked;
 pub use recipes::{fit_model, fit_models};
 pub use result::Fit;
-pub use select::{Choice, HeldOut, Ranked, candidates, leave_one_incidence_out, select};
+pub use select::{Choice, HeldOut, candidates, leave_one_incidence_out, select};
 pub use selection::{Exclusion, Reason, Selection};

@@ -12,6 +12,9 @@ use crate::result::{Fit, SliceResidual};
 /// Square of the median absolute value of a standard normal variable.
 const MEDIAN_SQUARE: f64 = 0.454_936_423_119_572_8;
 
+/// Mean squared residual, in units of the stated variance, below which values have no noise.
+const NOISELESS: f64 = 1e-6;
+
 /// Residuals of every slab; `predicted` has one list a block.
 pub(crate) fn residuals(data: &FitData, predicted: &[Vec<f64>]) -> Vec<SliceResidual> {
     let mut by_slab: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -95,6 +98,11 @@ pub(crate) fn aicc(fit: &Fit, data: &FitData) -> f64 {
     if n <= k + 1.0 {
         return f64::INFINITY;
     }
-    let level = level(fit.metric, fit.cost, data);
+    // Residuals a thousandth of the noise come from values without any; how far below it they end is chance.
+    let least = match fit.metric {
+        Metric::Chi2 => 0.5 * NOISELESS * data.len() as f64,
+        _ => 0.0,
+    };
+    let level = level(fit.metric, fit.cost.max(least), data);
     n * level + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0)
 }

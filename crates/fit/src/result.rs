@@ -4,7 +4,7 @@ use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{Angles, Component};
 
 use crate::metric::{Loss, Metric};
-use crate::{Estimate, Exclusion, FitError, FitModel, Weights};
+use crate::{Estimate, Exclusion, FitError, FitModel, LargestAlbedo, Weights};
 
 /// Something to know before the parameters are used.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +93,8 @@ pub struct Fit {
     /// Predicted DSF, as the instrument sees it, of every reading of every slice of the measurement; NaN where a
     /// reading did not take part.
     pub predicted: Vec<Vec<f64>>,
+    /// The largest directional albedo at the measured incidences; `None` where the model refuses its parameters.
+    pub albedo: Option<LargestAlbedo>,
     /// What to know before the parameters are used.
     pub warnings: Vec<Warning>,
 }
@@ -100,6 +102,19 @@ pub struct Fit {
 impl Fit {
     /// The parameters of each channel, in the order of the model's.
     pub fn parameters(&self) -> Vec<(Channel, Vec<f64>)> {
+        let values: Vec<f64> = self.estimates.iter().map(|e| e.value).collect();
+        self.parameters_with(&values)
+    }
+
+    /// The same with other values of the estimates, in their order.
+    pub(crate) fn parameters_with(&self, values: &[f64]) -> Vec<(Channel, Vec<f64>)> {
+        let of = |name: &str, channel: Channel| {
+            let at = self
+                .estimates
+                .iter()
+                .position(|e| e.name == name && e.channel.is_none_or(|c| c == channel))?;
+            values.get(at).copied()
+        };
         self.channels
             .iter()
             .map(|&channel| {
@@ -107,7 +122,7 @@ impl Fit {
                     .model
                     .parameters
                     .iter()
-                    .map(|p| self.estimate(&p.name, channel).map_or(p.default, |e| e.value))
+                    .map(|p| of(&p.name, channel).unwrap_or(p.default))
                     .collect();
                 (channel, values)
             })

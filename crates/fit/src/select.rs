@@ -1,7 +1,5 @@
 //! Which model the readings support.
 
-use std::cmp::Ordering;
-
 use gonio_bsdf::analytic::{Role, families};
 use gonio_geom::{Angles, Component};
 use gonio_scan::Measurement;
@@ -9,18 +7,15 @@ use rayon::prelude::*;
 
 use crate::data::FitData;
 use crate::fitting::Setting;
+use crate::ranking::{Ranked, order, sentence};
 use crate::refine::{fold_in_beam, refine};
 use crate::report::residuals;
 use crate::result::{Fit, SliceResidual};
 use crate::solver::Stop;
-use crate::{FitError, FitModel, FitOptions, Kind, Selection, fit, fit_models};
+use crate::{FitError, FitModel, FitOptions, Selection, fit, fit_models};
 
 /// Readings that a fit without one incidence looks at, at most.
 const FOLD_READINGS: usize = 8000;
-/// Held-out errors closer than this ratio count as equal; then the criterion of Akaike decides.
-const TIE: f64 = 1.01;
-/// Criteria of Akaike closer than this are those of one and the same function in other parameters.
-const SAME: f64 = 0.01;
 
 /// Error at an incidence that the fit did not see.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,56 +28,13 @@ pub struct HeldOut {
     pub relative_l1: f64,
 }
 
-/// A model in a comparison.
-#[derive(Clone, Debug)]
-pub struct Ranked {
-    /// Its fit to all readings.
-    pub fit: Fit,
-    /// Errors at the incidences, each left out in turn; empty with a single incidence.
-    pub held_out: Vec<HeldOut>,
-    /// Mean of the errors; NaN without any.
-    pub held_out_error: f64,
-}
-
-impl Ranked {
-    /// The incidence that the others predict worst.
-    pub fn worst(&self) -> Option<&HeldOut> {
-        self.held_out
-            .iter()
-            .max_by(|a, b| a.relative_l1.total_cmp(&b.relative_l1))
-    }
-}
-
-impl Ranked {
-    /// Order by Akaike's criterion in steps of [`SAME`], then by parameters that the readings leave open, then by their
-    /// number.
-    fn by_criterion(&self, other: &Self) -> Ordering {
-        let step = |r: &Self| (r.fit.aicc / SAME).round();
-        let open = |r: &Self| {
-            r.fit
-                .estimates
-                .iter()
-                .filter(|e| e.kind == Kind::Undetermined)
-                .count()
-        };
-        step(self)
-            .total_cmp(&step(other))
-            .then(open(self).cmp(&open(other)))
-            .then(self.fit.estimates.len().cmp(&other.fit.estimates.len()))
-    }
-
-    /// Whether both are the same function of direction, in other parameters.
-    fn is_same(&self, other: &Self) -> bool {
-        (self.fit.aicc - other.fit.aicc).abs() < SAME
-            && (self.held_out.is_empty() || (self.held_out_error / other.held_out_error - 1.0).abs() < 1e-4)
-    }
-}
-
 /// The models, best first.
 #[derive(Clone, Debug)]
 pub struct Choice {
     /// Every model that could be fitted, best first.
     pub ranking: Vec<Ranked>,
+    /// Models with smaller errors that the first was preferred to, and what speaks against each.
+    pub passed_over: Vec<(String, String)>,
     /// Those that could not, and why.
     pub failed: Vec<(String, FitError)>,
     /// What the comparison says, in a sentence or two.
@@ -137,8 +89,12 @@ pub fn candidates(measurement: &Measurement, selection: &Selection) -> Result<Ve
 }
 
 /// Fits every model and ranks them: by the error at incidences left out in turn, models within 1 % of one another by
-/// Akaike's criterion; with a single incidence by the criterion alone. Where that is equal too (to 0.01), those all of
-/// whose parameters the readings determine come first, then those with fewer parameters, then the order given.
+/// Akaike's criterion; with a single incidence by the criterion alone. Errors below 1e-4 count as that: no instrument
+/// reads so well. Where that is equal too (to 0.01), models without flaws come first ([`Ranked::flaws`]), then those with
+/// fewer parameters, then in the order of [`fit_models`], sums last.
+///
+/// A model with flaws is passed over for the best one without, where that has an error of at most 1.1 times its own; with a
+/// single incidence, a criterion of Akaike of at most 2 above its own.
 ///
 /// # Errors
 /// [`FitError::Cancelled`], or the first error when no model can be fitted at all.
@@ -172,20 +128,12 @@ pub fn select(
             |(_, e)| e,
         ));
     }
-    let place = |r: &Ranked| models.iter().position(|m| m.name == r.fit.model.name);
-    ranking.sort_by(|a, b| {
-        a.held_out_error
-            .total_cmp(&b.held_out_error)
-            .then(a.by_criterion(b))
-    });
-    if ranking[0].held_out_error.is_finite() {
-        let limit = ranking[0].held_out_error * TIE;
-        let ties = ranking.iter().take_while(|r| r.held_out_error <= limit).count();
-        ranking[..ties].sort_by(|a, b| a.by_criterion(b).then(place(a).cmp(&place(b))));
-    }
-    let sentence = sentence(&ranking);
+    let names: Vec<String> = fit_models()?.into_iter().map(|m| m.name).collect();
+    let passed_over = order(&mut ranking, &names);
+    let sentence = sentence(&ranking, &passed_over);
     Ok(Choice {
         ranking,
+        passed_over,
         failed,
         sentence,
     })
@@ -257,62 +205,4 @@ pub fn leave_one_incidence_out(
             })
         })
         .collect()
-}
-
-fn sentence(ranking: &[Ranked]) -> String {
-    let best = &ranking[0];
-    let mut text = match best.worst() {
-        Some(worst) => format!(
-            "{} describes the sample best: it predicts incidences that it was not fitted to with an error of {:.1} % \
-             (relative L1), worst at theta_i = {:.1} deg ({:.1} %)",
-            best.fit.model.name,
-            100.0 * best.held_out_error,
-            worst.incidence.theta.to_degrees(),
-            100.0 * worst.relative_l1
-        ),
-        None => format!(
-            "{} has the lowest information criterion; with a single incidence nothing shows whether it holds at others",
-            best.fit.model.name
-        ),
-    };
-    let same: Vec<&str> = ranking[1..]
-        .iter()
-        .filter(|r| r.is_same(best))
-        .map(|r| r.fit.model.name.as_str())
-        .collect();
-    if !same.is_empty() {
-        text += &format!(
-            "; {} fit these readings exactly as well in other parameters",
-            same.join(", ")
-        );
-    }
-    match ranking[1..].iter().find(|r| !r.is_same(best)) {
-        Some(next) if best.held_out.is_empty() => {
-            text += &format!(
-                "; next is {} ({:+.1} in AICc)",
-                next.fit.model.name,
-                next.fit.aicc - best.fit.aicc
-            );
-        }
-        Some(next) if next.held_out_error <= best.held_out_error * TIE => {
-            text += &format!(
-                "; {} does as well ({:.1} %) but has the higher information criterion ({:+.1} in AICc)",
-                next.fit.model.name,
-                100.0 * next.held_out_error,
-                next.fit.aicc - best.fit.aicc
-            );
-        }
-        Some(next) => {
-            text += &format!(
-                "; next is {} ({:.1} %)",
-                next.fit.model.name,
-                100.0 * next.held_out_error
-            );
-        }
-        None => {}
-    }
-    if best.fit.warns("misfit") {
-        text += ". Even so its residuals exceed the noise: a data-driven model will be closer";
-    }
-    text + "."
 }

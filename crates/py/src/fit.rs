@@ -61,7 +61,7 @@ impl FitData {
     }
 
     /// One dict a parameter: name, unit, role, channel (None: all), value, u, u_common, u_model, low, high, kind,
-    /// interval, meaning.
+    /// interval, open, meaning.
     #[getter]
     fn estimates<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.0
@@ -82,6 +82,7 @@ impl FitData {
                 dict.set_item("high", factor * e.high)?;
                 dict.set_item("kind", e.kind.name())?;
                 dict.set_item("interval", e.interval.name())?;
+                dict.set_item("open", e.open.map(core::Open::name))?;
                 let meaning = self.0.model.parameters.iter().find(|p| p.name == e.name);
                 dict.set_item("meaning", meaning.map_or("", |p| p.meaning.as_str()))?;
                 Ok(dict)
@@ -176,6 +177,22 @@ impl FitData {
         dict.set_item("evaluations", f.evaluations)?;
         dict.set_item("converged", f.converged)?;
         Ok(dict)
+    }
+
+    /// The largest directional albedo at the measured incidences: value, u, theta_i, phi_i (degrees), channel; or None.
+    #[getter]
+    fn albedo<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(top) = self.0.albedo else {
+            return Ok(None);
+        };
+        let (theta_i, phi_i) = top.incidence.to_degrees();
+        let dict = PyDict::new(py);
+        dict.set_item("value", top.value)?;
+        dict.set_item("u", top.u)?;
+        dict.set_item("theta_i", theta_i)?;
+        dict.set_item("phi_i", phi_i)?;
+        dict.set_item("channel", top.channel.to_string())?;
+        Ok(Some(dict))
     }
 
     /// (code, text) of each thing to know before the parameters are used.
@@ -378,7 +395,7 @@ fn held<'py>(py: Python<'py>, h: &core::HeldOut) -> PyResult<Bound<'py, PyDict>>
 }
 
 /// Fits and ranks models (those named, or all that suit the data): ranking (list of (FitData, held-out errors)),
-/// failed (name to reason), sentence.
+/// failed (name to reason), passed_over (name to reason), sentence.
 #[pyfunction]
 #[pyo3(signature = (measurement, *, models, settings))]
 fn select<'py>(
@@ -410,6 +427,11 @@ fn select<'py>(
         failed.set_item(name, error.to_string())?;
     }
     dict.set_item("failed", failed)?;
+    let passed_over = PyDict::new(py);
+    for (name, flaws) in &choice.passed_over {
+        passed_over.set_item(name, flaws)?;
+    }
+    dict.set_item("passed_over", passed_over)?;
     let ranking = PyList::empty(py);
     for r in choice.ranking {
         let errors: PyResult<Vec<_>> = r.held_out.iter().map(|h| held(py, h)).collect();

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests fail a test by panicking, as the tests themselves do
 
+mod choice;
 mod common;
 mod coverage;
 mod misfit;
