@@ -13,11 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio._native import DomainError, FormatError
-from gonio.radiance_colour import luminance, rgb_of_xyz
+from gonio.radiance_colour import luminance, rgb_of_srgb, rgb_of_xyz
 from gonio.spectra import read_spectra
 
 ILLUMINANTS = ("D65", "A", "E")
 """Light under which a spectrum is seen."""
+
+RADIANCE_PRIMARIES, SRGB = "Radiance", "sRGB"
+
+PRIMARIES = (RADIANCE_PRIMARIES, SRGB)
+"""What channels red, green and blue may be: in Radiance's primaries, or linear sRGB."""
 
 _FIRST, _LAST = 360, 780
 _LARGEST_GAP = 20.0
@@ -99,23 +104,28 @@ def colour(
         raise FormatError(f"{os.fspath(path)}: {error}") from None
 
 
-def colour_of_channels(values: Mapping[str, float], *, illuminant: str = "D65") -> Colour:
+def colour_of_channels(
+    values: Mapping[str, float], *, illuminant: str = "D65", primaries: str = RADIANCE_PRIMARIES
+) -> Colour:
     """Colour of one number for each channel: of a fit, a measurement, a set of dhr.
 
     What the channels are decides, in this order:
 
-    - `red`, `green`, `blue`: they are the RGB, as they are;
+    - `red`, `green`, `blue`: they are the RGB, as they are; with the `primaries` "sRGB" they are linear sRGB
+      and become Radiance's (`gonio.radiance_colour.rgb_of_srgb`);
     - wavelengths such as `550nm`: a spectrum, as in `colours_of_spectra`;
     - `photopic` alone: grey, all three the photopic value.
 
     Raises
     ------
     DomainError
-        None of these, two of `red`, `green`, `blue`, a value that is not finite.
+        None of these, two of `red`, `green`, `blue`, a value that is not finite, other `primaries`.
     FormatError
         The wavelengths do not span the visible.
     """
     _check_illuminant(illuminant)
+    if primaries not in PRIMARIES:
+        raise DomainError(f"primaries: found {primaries!r}, allowed {', '.join(PRIMARIES)}")
     for name, value in values.items():
         if not np.isfinite(value):
             raise DomainError(f"channel {name}: found {value:g}, allowed a finite number")
@@ -123,6 +133,8 @@ def colour_of_channels(values: Mapping[str, float], *, illuminant: str = "D65") 
     photopic = values.get("photopic")
     if len(rgb_names) == 3:
         rgb = np.array([values[n] for n in rgb_names], dtype=np.float64)
+        if primaries == SRGB:
+            rgb = rgb_of_srgb(rgb)
         return _colour("channels", rgb, photopic=photopic, source="rgb")
     if rgb_names:
         raise DomainError(f"channels: found {', '.join(rgb_names)}, allowed red, green and blue together")

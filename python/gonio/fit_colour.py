@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from gonio._native import DomainError
-from gonio.colours import colour_of_channels
+from gonio.colours import RADIANCE_PRIMARIES, SRGB, Colour, colour_of_channels
 from gonio.radiance_colour import luminance
 
 RGB = ("red", "green", "blue")
@@ -34,13 +34,15 @@ class Palette:
 
     `channels` are those of the fit. `tint` is the colour, at any scale, that a fit of one channel is given:
     its luminance becomes the value of that channel. Without one a fit of the photopic channel is grey;
-    `as_visible` makes one of any other channel grey, too. `warnings` gather what the way to RGB lost.
+    `as_visible` makes one of any other channel grey, too. Channels red, green and blue are in `primaries`,
+    one of `gonio.colours.PRIMARIES`. `warnings` gather what the way to RGB lost.
     """
 
     channels: Sequence[str]
     tint: Triple | None = None
     illuminant: str = "D65"
     as_visible: bool = False
+    primaries: str = RADIANCE_PRIMARIES
     warnings: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -79,7 +81,7 @@ class Palette:
             scale = values[channel] / luminance(tint)
             red, green, blue = (scale * c for c in tint)
             return red, green, blue
-        found = colour_of_channels(values, illuminant=self.illuminant)
+        found = self._colour(values)
         self.warnings += [w for w in found.warnings if w not in self.warnings]
         return found.rgb
 
@@ -87,6 +89,19 @@ class Palette:
         """The one number that `values` come closest to in luminance, and the largest relative difference."""
         if len(values) == 1:
             return next(iter(values.values())), 0.0
-        rgb = colour_of_channels(values, illuminant=self.illuminant).rgb
+        rgb = self._colour(values).rgb
         mean = luminance(rgb)
         return mean, max(abs(c / mean - 1.0) for c in rgb) if mean > 0.0 else 0.0
+
+    @property
+    def note(self) -> str | None:
+        """What the red, green and blue of a material are, where the channels had them."""
+        if not set(RGB) <= set(self.channels):
+            return None
+        known = "Radiance's primaries (0.640 0.330, 0.290 0.600, 0.150 0.060; equal-energy white)"
+        if self.primaries == SRGB:
+            return f"colours: the linear sRGB of the readings, converted to {known}"
+        return f"colours: the red, green and blue of the readings, taken for {known}"
+
+    def _colour(self, values: Mapping[str, float]) -> Colour:
+        return colour_of_channels(values, illuminant=self.illuminant, primaries=self.primaries)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from gonio._native import DomainError, RadianceMaterial
+from gonio.colours import RADIANCE_PRIMARIES
 from gonio.fit_colour import Palette, Triple
 from gonio.fit_known import NEGLIGIBLE, require_known
 from gonio.fit_results import Fit
@@ -19,10 +20,11 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True)
 class MappedRadiance:
-    """A Radiance material and what it does not hold of the fit."""
+    """A Radiance material, what it does not hold of the fit, and what its numbers are."""
 
     material: RadianceMaterial
     losses: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def radiance_material(
@@ -43,7 +45,8 @@ def radiance_material(
     ----------
     fit
         Channels photopic, red/green/blue, or wavelengths across the visible; one channel of any name with
-        `colour` or `as_visible`.
+        `colour` or `as_visible`. Red, green and blue are in Radiance's primaries, or linear sRGB where the
+        provenance of the fit says so (materials of the RGL database); then they are converted.
     name
         Name of the material.
     colour
@@ -69,7 +72,13 @@ def radiance_material(
             "materials have no such lobe; fit one of these, or write the data-driven model with gonio export"
         )
     require_known(fit, "Radiance material", without=idle(fit))
-    palette = Palette(fit.channels, tint=colour, illuminant=illuminant, as_visible=as_visible)
+    palette = Palette(
+        fit.channels,
+        tint=colour,
+        illuminant=illuminant,
+        as_visible=as_visible,
+        primaries=fit.provenance.get("primaries", RADIANCE_PRIMARIES),
+    )
     losses: list[str] = []
     kind, rgb, numbers, strings = make(_Source(fit, palette, losses))
     for label, value in zip(("red", "green", "blue"), rgb, strict=True):
@@ -81,7 +90,8 @@ def radiance_material(
     red, green, blue = rgb
     parameters = {"red": red, "green": green, "blue": blue} | numbers
     material = RadianceMaterial(kind, id=name, strings=strings, modifier="void", **parameters)
-    return MappedRadiance(material, (*losses, *palette.warnings))
+    notes = () if palette.note is None else (palette.note,)
+    return MappedRadiance(material, (*losses, *palette.warnings), notes)
 
 
 def has_radiance(fit: Fit) -> bool:

@@ -1,4 +1,4 @@
-"""Radiance's RGB: primaries, luminance, and the way there from CIE XYZ."""
+"""Radiance's RGB: primaries, luminance, and the way there from CIE XYZ and from sRGB."""
 
 from __future__ import annotations
 
@@ -13,20 +13,32 @@ PRIMARIES = ((0.640, 0.330), (0.290, 0.600), (0.150, 0.060))
 WHITE = (1.0 / 3.0, 1.0 / 3.0)
 """(x, y) of white: equal energy. Radiance's 0.3333 shifts the luminance weights by 1.2e-4 of their value."""
 
+SRGB_PRIMARIES = ((0.640, 0.330), (0.300, 0.600), (0.150, 0.060))
+"""CIE 1931 (x, y) of red, green and blue of sRGB [IEC61966]."""
+
+SRGB_WHITE = (0.3127, 0.3290)
+"""(x, y) of its white, D65 [IEC61966]."""
+
 SHARP = ((1.2694, -0.0988, -0.1706), (-0.8364, 1.8006, 0.0357), (0.0297, -0.0315, 1.0018))
 """XYZ to the sharpened primaries in which Radiance adapts white points [WardEydelberg2002]."""
 
 
-def _rgb_to_xyz() -> NDArray[np.float64]:
+def _xyz_of_white(white: tuple[float, float]) -> NDArray[np.float64]:
+    """XYZ of luminance 1."""
+    return np.array([white[0], white[1], 1.0 - sum(white)]) / white[1]
+
+
+def _rgb_to_xyz(
+    primaries: tuple[tuple[float, float], ...], white: tuple[float, float]
+) -> NDArray[np.float64]:
     """Columns are the primaries' XYZ, scaled so that equal RGB is white of luminance 1."""
-    x, y = np.array(PRIMARIES).T
+    x, y = np.array(primaries).T
     columns = np.stack([x / y, np.ones(3), (1.0 - x - y) / y])
-    white = np.array([WHITE[0], WHITE[1], 1.0 - sum(WHITE)]) / WHITE[1]
-    scaled: NDArray[np.float64] = columns * np.linalg.solve(columns, white)
+    scaled: NDArray[np.float64] = columns * np.linalg.solve(columns, _xyz_of_white(white))
     return scaled
 
 
-RGB_TO_XYZ = _rgb_to_xyz()
+RGB_TO_XYZ = _rgb_to_xyz(PRIMARIES, WHITE)
 """Matrix from RGB to XYZ; Y of white is 1."""
 
 XYZ_TO_RGB = np.linalg.inv(RGB_TO_XYZ)
@@ -45,8 +57,17 @@ def rgb_of_xyz(xyz: NDArray[np.float64], *, white: NDArray[np.float64]) -> NDArr
     white reflector has the RGB (1, 1, 1) under every light. Values out of the gamut are negative.
     """
     sharp = np.array(SHARP)
-    white_out = np.array([WHITE[0], WHITE[1], 1.0 - sum(WHITE)]) / WHITE[1]
-    gains = (sharp @ white_out) / (sharp @ white)
+    gains = (sharp @ _xyz_of_white(WHITE)) / (sharp @ white)
     adapt = np.linalg.inv(sharp) @ (gains[:, None] * sharp)
     rgb: NDArray[np.float64] = xyz @ (XYZ_TO_RGB @ adapt).T
     return rgb
+
+
+def rgb_of_srgb(srgb: NDArray[np.float64]) -> NDArray[np.float64]:
+    """RGB of linear sRGB (shape (…, 3)): to XYZ by the primaries of [IEC61966], then as `rgb_of_xyz`.
+
+    The light is D65, the white of sRGB: white stays (1, 1, 1), grey stays grey. Values out of the gamut are
+    negative.
+    """
+    xyz = srgb @ _rgb_to_xyz(SRGB_PRIMARIES, SRGB_WHITE).T
+    return rgb_of_xyz(xyz, white=_xyz_of_white(SRGB_WHITE))

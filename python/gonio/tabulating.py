@@ -8,11 +8,18 @@ from typing import Any
 
 from gonio import _native
 from gonio._native import Bsdf, Rgl
+from gonio.colours import SRGB
 from gonio.measurement import Measurement
 from gonio.model_files import read_bsdf
 from gonio.provenance import input_file, provenance
 from gonio.readings import PathLike
 from gonio.working import interruptible
+
+U_RELATIVE = 0.01
+"""Relative standard uncertainty of values that state none, unless told otherwise."""
+
+U_FLOOR = 0.0002
+"""The same of a DSF of 0, 1/sr."""
 
 
 def tabulate(
@@ -26,8 +33,8 @@ def tabulate(
     growth: float = 0.08,
     reach: float = 25.0,
     theta_max: float = 88.0,
-    u_relative: float = 0.01,
-    u_floor: float = 0.0002,
+    u_relative: float = U_RELATIVE,
+    u_floor: float = U_FLOOR,
     sample_name: str | None = None,
 ) -> Measurement:
     """Evaluate a model over hemispheres of directions, dense about the mirror and the unbent direction.
@@ -101,4 +108,7 @@ def tabulate(
     )
     found = [[s.theta_i, s.phi_i] for s in data.slices if s.channel == data.slices[0].channel]
     origin = provenance(inputs=inputs, settings={"incidences": found, **settings})
-    return Measurement._wrap(data, provenance={**origin, "instrument": "none: values of a model"})
+    origin = {**origin, "instrument": "none: values of a model"}
+    if isinstance(source, Rgl) and "red" in source.channels:
+        origin["primaries"] = SRGB  # of the RGB files of the database
+    return Measurement._wrap(data, provenance=origin)

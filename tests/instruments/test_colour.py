@@ -9,7 +9,7 @@ import gonio
 import numpy as np
 import pytest
 from gonio.colours import ILLUMINANTS, colours_of_spectra
-from gonio.radiance_colour import RGB_TO_XYZ, luminance
+from gonio.radiance_colour import RGB_TO_XYZ, luminance, rgb_of_srgb, rgb_of_xyz
 from gonio.spectra import read_spectra
 
 from tests.validation.places import SHARED
@@ -131,6 +131,25 @@ def test_rgb_channels_are_the_rgb():
     found = gonio.colour_of_channels({"photopic": 0.3, "red": 0.4, "green": 0.3, "blue": 0.2})
     assert (found.rgb, found.source) == ((0.4, 0.3, 0.2), "rgb")
     assert any("differs" in w for w in found.warnings)
+
+
+def test_linear_srgb_becomes_radiances_rgb_as_colour_science_has_it():
+    space = colour.RGB_COLOURSPACES["sRGB"]
+    srgb = np.random.default_rng(1).random((20, 3))
+    white = colour.xy_to_XYZ(space.whitepoint)
+    xyz = colour.RGB_to_XYZ(srgb, space, apply_cctf_decoding=False)
+    # The tabulated matrix of the standard has four digits.
+    np.testing.assert_allclose(rgb_of_srgb(srgb), rgb_of_xyz(xyz, white=white), atol=2e-4)
+    np.testing.assert_allclose(rgb_of_srgb(np.full(3, 0.4)), 0.4, atol=1e-12)
+
+
+def test_channels_of_linear_srgb_are_converted():
+    values = {"red": 0.6, "green": 0.3, "blue": 0.1}
+    found = gonio.colour_of_channels(values, primaries="sRGB")
+    np.testing.assert_allclose(found.rgb, rgb_of_srgb(np.array([0.6, 0.3, 0.1])), atol=1e-12)
+    assert np.abs(np.array(found.rgb) - [0.6, 0.3, 0.1]).max() > 1e-3
+    with pytest.raises(gonio.DomainError, match="primaries: found 'ACES', allowed Radiance, sRGB"):
+        gonio.colour_of_channels(values, primaries="ACES")
 
 
 def test_wavelength_channels_are_a_spectrum():
