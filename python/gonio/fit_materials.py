@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -18,11 +19,20 @@ RADIANCE = "Radiance"
 MITSUBA = "Mitsuba"
 
 
+WORSE = 1.5
+"""Error of a substitute over that of the fitted model above which it is another material."""
+
+
+RESOLVED = 1e-4
+"""An error below this counts as this: no instrument reads so well."""
+
+
 @dataclass(frozen=True)
 class Substitute:
     """The model in a material of another program, where that program has not the fitted one.
 
-    The errors are those at left-out incidences (relative L1), None without any.
+    The errors are those at left-out incidences (relative L1), None without any. `ratio` is that of the
+    substitute over that of the fitted model; with a single incidence that of the errors there.
     """
 
     model: str
@@ -30,6 +40,7 @@ class Substitute:
     fitted: str
     fitted_error: float | None
     program: str
+    ratio: float | None = None
 
     @property
     def text(self) -> str:
@@ -38,6 +49,18 @@ class Substitute:
             f"the material is {self.model}, the best ranked model that can be written for {self.program}: "
             f"error at left-out incidences {_percent(self.held_out_error)}, against "
             f"{_percent(self.fitted_error)} of {self.fitted}"
+        )
+
+    @property
+    def warning(self) -> str | None:
+        """What speaks against the material, where its error is more than `WORSE` times that of the fit."""
+        if self.ratio is None or self.ratio <= WORSE:
+            return None
+        other = "radiance-ttree" if self.program == RADIANCE else "rgl-bsdf"
+        return (
+            f"the error of {self.model} is {self.ratio:.2g} times that of {self.fitted} (more than "
+            f"{WORSE:g}): it is no stand-in for the sample; write the data-driven model instead "
+            f"(gonio export --to {other})"
         )
 
 
@@ -85,6 +108,7 @@ def best_material(fit: Fit, program: str, make: Callable[[Fit], T]) -> tuple[T, 
             fitted=fit.model,
             fitted_error=fit.held_out_error,
             program=program,
+            ratio=_ratio(candidate, fit),
         )
         return made, candidate, substitute
     raise _summed_up(fit, reasons, has_form=has(fit))
@@ -98,6 +122,21 @@ def _summed_up(
         return first
     other, error = reasons[1]
     return DomainError(f"{first}; nor can {other.model}, the best ranked of these, be written: {error}")
+
+
+def _ratio(candidate: Fit, fit: Fit) -> float:
+    """Error of a model over that of another, at left-out incidences or else at those of the fit."""
+    if candidate.held_out_error is not None and fit.held_out_error is not None:
+        ours, theirs = candidate.held_out_error, fit.held_out_error
+    else:
+        ours, theirs = (_own_error(f) for f in (candidate, fit))
+    return ours / max(theirs, RESOLVED)
+
+
+def _own_error(fit: Fit) -> float:
+    """Mean error at the incidences that were fitted."""
+    errors = [r.relative_l1 for r in fit.residuals]
+    return math.fsum(errors) / max(len(errors), 1)
 
 
 def _known(fit: Fit, program: str, ignored: set[str]) -> bool:

@@ -43,7 +43,8 @@ class SavedFit:
 
     `files` are the names in the directory `out`; `losses` tells, by file, what a material does not hold of
     the fit; `refused` tells, by file, why there is none; `substituted` tells, by file, which other model of
-    the ranking it holds where the program has not the fitted one.
+    the ranking it holds where the program has not the fitted one; `notes` tells, by file, what its numbers
+    are.
     """
 
     out: Path
@@ -51,6 +52,7 @@ class SavedFit:
     losses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     refused: Mapping[str, str] = field(default_factory=dict)
     substituted: Mapping[str, Substitute] = field(default_factory=dict)
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
@@ -60,6 +62,7 @@ class SavedFit:
             "losses": {k: list(v) for k, v in self.losses.items()},
             "refused": dict(self.refused),
             "substituted": {k: asdict(v) for k, v in self.substituted.items()},
+            "notes": {k: list(v) for k, v in self.notes.items()},
         }
 
 
@@ -115,11 +118,12 @@ def save_fit(
     """
     check_directory(out, marker=JSON_NAME, force=force)
     Palette(fit.channels, tint=colour, as_visible=as_visible)  # its errors before any work
-    sample = None if measurement is None else fit_input(measurement, channels=fit.channels)[0]
+    sample = None if measurement is None else _sample(fit, measurement)
     losses: dict[str, tuple[str, ...]] = {}
     refused: dict[str, str] = {}
     substituted: dict[str, Substitute] = {}
     names: dict[str, str] = {}
+    notes: dict[str, tuple[str, ...]] = {}
     texts: dict[str, str] = {}
 
     def made(file: str, make: Callable[[], None]) -> None:
@@ -131,12 +135,20 @@ def save_fit(
     def label(of: Fit) -> str:
         return word(name or _label(sample, of.model))
 
-    def note(file: str, of: Fit, lost: tuple[str, ...], substitute: Substitute | None) -> list[str]:
+    def note(
+        file: str,
+        of: Fit,
+        lost: tuple[str, ...],
+        substitute: Substitute | None,
+        known: tuple[str, ...] = (),
+    ) -> list[str]:
         """Keep what is to be told of a material; the lines of its head."""
         names[file], losses[file] = label(of), lost
+        if known:
+            notes[file] = known
         if substitute is not None:
             substituted[file] = substitute
-        return _head(of, lost, substitute)
+        return _head(of, lost, substitute, known)
 
     def radiance() -> None:
         mapped, of, substitute = best_material(
@@ -146,7 +158,7 @@ def save_fit(
                 f, name=label(f), colour=colour, illuminant=illuminant, as_visible=as_visible
             ),
         )
-        lines = note(RADIANCE_NAME, of, mapped.losses, substitute)
+        lines = note(RADIANCE_NAME, of, mapped.losses, substitute, mapped.notes)
         texts[RADIANCE_NAME] = "".join(f"# {line}\n" for line in lines) + mapped.material.text
 
     def mitsuba() -> None:
@@ -166,6 +178,7 @@ def save_fit(
         "losses": {k: list(v) for k, v in losses.items()},
         "refused": refused,
         "substituted": {k: asdict(v) for k, v in substituted.items()},
+        "notes": {k: list(v) for k, v in notes.items()},
     }
     header = {"format": FORMAT, "format_version": FORMAT_VERSION}
     plain = finite(header | fit.to_dict() | {"materials": told})
@@ -184,15 +197,12 @@ def save_fit(
                     sample,
                     out=staged / PAGE_NAME,
                     refused=refused,
-                    losses={
-                        k: (*((substituted[k].text,) if k in substituted else ()), *v)
-                        for k, v in losses.items()
-                    },
+                    losses={k: (*_told(substituted.get(k)), *v) for k, v in losses.items()},
                 )
             )
             texts[PAGE_NAME] = ""
     progress("writing", 1, 1)
-    return SavedFit(Path(out), tuple(sorted(texts)), losses, refused, substituted)
+    return SavedFit(Path(out), tuple(sorted(texts)), losses, refused, substituted, notes)
 
 
 def read_fitted_model(
@@ -258,6 +268,15 @@ def _require_same(file: Path, plain: Mapping[str, Any], measurement: Path) -> No
             )
 
 
+def _sample(fit: Fit, measurement: MeasurementOrPath) -> Measurement:
+    """The readings of the fit, with the uncertainties it was told."""
+    stated = {}
+    if not isinstance(measurement, Measurement) and Path(measurement).is_file():
+        settings = fit.provenance.get("settings", {})
+        stated = {name: settings[name] for name in ("u_relative", "u_floor") if name in settings}
+    return fit_input(measurement, channels=fit.channels, stated=stated)[0]
+
+
 def _label(sample: Measurement | None, model: str) -> str:
     """Sample and model, each once."""
     known = (sample.sample_name if sample is not None else None) or ""
@@ -269,13 +288,25 @@ def word(text: str) -> str:
     return re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower() or "material"
 
 
-def _head(fit: Fit, losses: tuple[str, ...], substitute: Substitute | None) -> list[str]:
+def _told(substitute: Substitute | None) -> list[str]:
+    """What to know of a substitute."""
+    if substitute is None:
+        return []
+    return [substitute.text] if substitute.warning is None else [substitute.text, substitute.warning]
+
+
+def _head(
+    fit: Fit, losses: tuple[str, ...], substitute: Substitute | None, notes: tuple[str, ...]
+) -> list[str]:
     """The head of a material's file: what the numbers are and what they do not hold."""
     lines = [] if substitute is None else [f"note: {substitute.text}"]
+    if substitute is not None and substitute.warning is not None:
+        lines.append(f"warning: {substitute.warning}")
     lines += [f"gonio fit: {fit.title} ({fit.model}), {fit.readings} readings, {', '.join(fit.channels)}"]
     for e in fit.estimates:
         unit = "" if e.unit == "1" else f" {e.unit}"
         lines.append(f"{e.label} = {e.value:.6g}{unit}, 95 % in {e.low:.4g} to {e.high:.4g} ({e.kind})")
+    lines += [f"note: {note}" for note in notes]
     lines += [f"lost: {loss}" for loss in losses]
     lines += [f"warning: {w.text}" for w in fit.warnings]
     return [" ".join(line.split()) for line in lines]

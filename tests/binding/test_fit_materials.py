@@ -6,11 +6,14 @@ import xml.etree.ElementTree as ET
 import gonio
 import numpy as np
 import pytest
-from gonio.fit_materials import writable
+from gonio.fit_materials import WORSE, Substitute, best_material, writable
 from gonio.fit_mitsuba import mitsuba_material
 from gonio.fit_outputs import read_fitted_model, save_fit
 from gonio.fit_radiance import radiance_material
 from gonio.materials import material
+from gonio.radiance_colour import rgb_of_srgb
+
+from tests.validation.rgl import synthetic, write_tensor_file
 
 KD, F0, ALPHA = 0.3, 0.05, 0.2
 MATT = {"model": "lambert", "rho": {"photopic": KD}}
@@ -37,13 +40,13 @@ def with_estimate(found, name, **changes):
 @pytest.mark.parametrize(
     ("name", "changes", "says"),
     [
-        ("color", {"kind": "undetermined"}, r"color \(photopic\): found undetermined.*--fix color=VALUE"),
+        ("color", {"open": "undetermined"}, r"color \(photopic\): found undetermined.*--fix color=VALUE"),
         (
             "specularity",
-            {"value": 1.0, "u": 1e8},
+            {"value": 1.0, "u": 1e8, "open": "vague"},
             r"specularity: found 1 with a standard uncertainty of 1e\+08",
         ),
-        ("alpha", {"kind": "undetermined"}, "alpha: found undetermined"),
+        ("alpha", {"open": "undetermined"}, "alpha: found undetermined"),
     ],
 )
 def test_a_fit_that_leaves_a_parameter_open_is_no_material(found, name, changes, says):
@@ -68,7 +71,7 @@ def test_facets_without_absorption_are_a_material_although_no_slope_tells_k():
 
 
 def test_the_width_of_a_lobe_without_light_may_be_open(found):
-    matt = with_estimate(with_estimate(found, "specularity", value=0.0, u=1e-5), "alpha", kind="undetermined")
+    matt = with_estimate(with_estimate(found, "specularity", value=0.0, u=1e-5), "alpha", open="undetermined")
     assert radiance_material(matt).material.parameters["spec"] == 0.0
 
 
@@ -202,3 +205,56 @@ def test_a_page_needs_the_measurement_that_was_fitted(found, tmp_path):
     with pytest.raises(gonio.DomainError, match="those of the fit"):
         save_fit(found, out=tmp_path / "f", measurement=other)
     assert not (tmp_path / "f").exists()
+
+
+def with_error(found, model, error):
+    """The fit as that of another model with this error at one left-out incidence."""
+    row = gonio.fit_results.HeldOut(theta_i=30.0, phi_i=0.0, relative_l1=error, residuals=())
+    return dataclasses.replace(found, model=model, held_out=(row,) if error is not None else ())
+
+
+@pytest.mark.parametrize(("error", "told"), [(0.14, False), (0.16, True)])
+def test_a_substitute_much_worse_than_the_winner_is_warned_of(found, error, told):
+    plastic = with_error(found, "plastic", error)
+    ggx = with_error(found, "ggx", 0.1)
+    ranking = gonio.Ranking(fits=(ggx, plastic), failed={}, sentence="")
+    _, of, substitute = best_material(
+        dataclasses.replace(ggx, ranking=ranking), "Radiance", radiance_material
+    )
+    assert of.model == "plastic"
+    assert substitute.ratio == pytest.approx(error / 0.1)
+    assert (substitute.ratio > WORSE) == told
+    assert (substitute.warning is not None) == told
+    if told:
+        assert "the error of plastic is 1.6 times that of ggx (more than 1.5)" in substitute.warning
+        assert "gonio export --to radiance-ttree" in substitute.warning
+    assert "16.00 %, against 10.00 % of ggx" in Substitute("plastic", 0.16, "ggx", 0.1, "Radiance").text
+
+
+def test_the_srgb_of_a_measured_material_becomes_radiances_rgb(tmp_path):
+    path = tmp_path / "paint.bsdf"
+    write_tensor_file(path, synthetic([0.0], None))
+    f = gonio.fit(path, model="lambert", held_out=False)
+    assert f.provenance["primaries"] == "sRGB"
+    kd = np.array([f.estimate("kd", c).value for c in ("red", "green", "blue")])
+    wanted = rgb_of_srgb(kd)
+    assert wanted.min() > 0.0
+    made = radiance_material(f)
+    got = [made.material.parameters[c] for c in ("red", "green", "blue")]
+    np.testing.assert_allclose(got, wanted, rtol=1e-9)
+    (note,) = made.notes
+    assert "linear sRGB of the readings, converted to Radiance's primaries (0.640 0.330" in note
+    written = save_fit(f, out=tmp_path / "f", measurement=path)
+    assert written.notes["material.rad"] == (note,)
+    assert f"# note: {note}\n" in (tmp_path / "f" / "material.rad").read_text()
+    # Mitsuba's numbers are linear sRGB themselves.
+    matt = mitsuba_material(f).material["bsdf"]["reflectance"]["value"]
+    np.testing.assert_allclose(matt, kd, rtol=1e-9)
+
+
+def test_the_red_green_and_blue_of_other_readings_are_radiances(tmp_path):
+    rgb = {"red": 0.5, "green": 0.3, "blue": 0.1}
+    sample = gonio.tabulate(gonio.analytic({"model": "lambert", "rho": rgb}), pitch=20, peak_pitch=20)
+    made = radiance_material(gonio.fit(sample, model="lambert", held_out=False))
+    assert [made.material.parameters[c] for c in rgb] == pytest.approx([*rgb.values()], rel=1e-4)
+    assert "taken for Radiance's primaries" in made.notes[0]
