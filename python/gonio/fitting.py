@@ -13,12 +13,12 @@ import numpy as np
 from gonio import _native
 from gonio._native import DomainError, FitError, FormatError
 from gonio.checking import MeasurementOrPath
-from gonio.fit_results import Fit, FitModel, FitParameter, Ranking, fit_of
+from gonio.fit_results import Fit, FitModel, FitParameter, FitWarning, Ranking, fit_of
 from gonio.measurement import Measurement
 from gonio.measurement_header import JSON_NAME
 from gonio.model_files import is_zemax
 from gonio.provenance import input_file, provenance
-from gonio.tabulating import tabulate
+from gonio.tabulating import U_FLOOR, U_RELATIVE, tabulate
 from gonio.working import Progress, interruptible, silent
 
 METRICS = ("chi2", "cube_root", "log1p")
@@ -69,6 +69,8 @@ def fit(
     compare: Sequence[str] = ("cube_root",),
     profile: bool = True,
     held_out: bool = True,
+    u_relative: float | None = None,
+    u_floor: float | None = None,
     progress: Progress = silent,
 ) -> Fit:
     """Fit an analytic model to all incidences and channels at once, or find the best of several.
@@ -82,7 +84,9 @@ def fit(
         which is tabulated at the incidences it was measured at.
     model
         A name of `fit_models`, a sum such as `lambert+ward-gmd+ward-gmd`, or auto: all models that suit the
-        data are fitted and ranked by the error at incidences left out in turn, near ties by AICc.
+        data are fitted and ranked by the error at incidences left out in turn, near ties by AICc; one whose
+        parameters the readings leave open, or that scatters more than all light, is passed over for a sound
+        one of nearly the same error.
     models
         With `auto`: the names to compare in place of all.
     channels
@@ -111,6 +115,9 @@ def fit(
         Whether intervals come from the profile of the cost where the quadratic ones are wrong.
     held_out
         Whether a single model is also fitted without each incidence in turn; auto always does.
+    u_relative, u_floor
+        Of a file of a measured material: the standard uncertainty its values are given, relative and at dsf 0
+        in 1/sr, as in `gonio.tabulate`; None is 0.01 and 0.0002. A measurement states its own.
     progress
         Called with stage, parts done and parts in all.
 
@@ -160,15 +167,21 @@ def fit(
         raise DomainError(f"max_theta_s: found {max_theta_s:g} degrees, allowed above 0 to 90")
     if not 0.0 <= retro_radius <= 180.0:
         raise DomainError(f"retro_radius: found {retro_radius:g} degrees, allowed 0 to 180")
-    sample, inputs = fit_input(measurement, channels=channels)
+    stated = {
+        name: float(u) for name, u in (("u_relative", u_relative), ("u_floor", u_floor)) if u is not None
+    }
+    sample, inputs = fit_input(measurement, channels=channels, stated=stated)
     _require_component(sample, component, settings["channels"])
-    origin = provenance(inputs=inputs, settings={"model": model, "models": wanted} | settings)
+    origin = provenance(inputs=inputs, settings={"model": model, "models": wanted} | settings | stated)
+    if "primaries" in sample.provenance:
+        origin["primaries"] = sample.provenance["primaries"]
     progress("fitting", 0, 1)
+    known = _known(sample, settings["channels"])
     found = interruptible(
         lambda: (
-            _best(sample, wanted, settings, origin)
+            _best(sample, wanted, settings, origin, known)
             if model == AUTO
-            else _one(sample, model, settings, origin, held_out=held_out)
+            else _one(sample, model, settings, origin, known, held_out=held_out)
         )
     )
     progress("fitting", 1, 1)
@@ -176,26 +189,67 @@ def fit(
 
 
 def _one(
-    sample: Measurement, model: str, settings: dict[str, Any], origin: Mapping[str, Any], *, held_out: bool
+    sample: Measurement,
+    model: str,
+    settings: dict[str, Any],
+    origin: Mapping[str, Any],
+    known: Sequence[FitWarning],
+    *,
+    held_out: bool,
 ) -> Fit:
     data = _native.fit(sample._data, model=model, settings=settings)
     errors = _native.held_out(sample._data, data, settings=settings) if held_out else []
-    return fit_of(data, held_out=errors, provenance=origin)
+    return fit_of(data, held_out=errors, provenance=origin, warnings=known)
 
 
 def _best(
-    sample: Measurement, models: Sequence[str], settings: dict[str, Any], origin: Mapping[str, Any]
+    sample: Measurement,
+    models: Sequence[str],
+    settings: dict[str, Any],
+    origin: Mapping[str, Any],
+    known: Sequence[FitWarning],
 ) -> Fit:
     choice = _native.select(sample._data, models=models, settings=settings)
-    fits = tuple(fit_of(data, held_out=rows, provenance=origin) for data, _, rows in choice["ranking"])
-    ranking = Ranking(fits=fits, failed=choice["failed"], sentence=choice["sentence"])
+    fits = tuple(
+        fit_of(data, held_out=rows, provenance=origin, warnings=known) for data, _, rows in choice["ranking"]
+    )
+    ranking = Ranking(
+        fits=fits,
+        failed=choice["failed"],
+        sentence=choice["sentence"],
+        passed_over=choice["passed_over"],
+    )
     return dataclasses.replace(fits[0], ranking=ranking)
 
 
+def _known(sample: Measurement, channels: Sequence[str]) -> list[FitWarning]:
+    """What the check of reciprocity says against fitting any of the models, which all are reciprocal."""
+    verdict = interruptible(lambda: _native.reciprocity(sample._data, channels=channels))
+    if verdict.verdict not in ("warn", "fail"):
+        return []
+    graded = "fails" if verdict.verdict == "fail" else "warns"
+    return [
+        FitWarning(
+            "reciprocity",
+            f"the check of reciprocity {graded}: {verdict.sentence} Every model of this fit is reciprocal "
+            "and averages what the two directions say",
+        )
+    ]
+
+
 def fit_input(
-    measurement: MeasurementOrPath, *, channels: Sequence[str] | None = None
+    measurement: MeasurementOrPath,
+    *,
+    channels: Sequence[str] | None = None,
+    stated: Mapping[str, float] | None = None,
 ) -> tuple[Measurement, list[dict[str, Any]]]:
-    """The readings to fit and the files they come from."""
+    """The readings to fit and the files they come from; `stated` are uncertainties for those of a model."""
+    if stated and (isinstance(measurement, Measurement) or Path(measurement).is_dir()):
+        name, value = next(iter(stated.items()))
+        raise DomainError(
+            f"{name}: found {value:g} for a measurement, which states the uncertainty of its readings, "
+            "allowed for a file of a measured material: state it to gonio process (or gonio.tabulate)"
+        )
     if isinstance(measurement, Measurement):
         return measurement, [{"name": measurement.sample_name, "role": "measurement"}]
     path = Path(measurement)
@@ -205,7 +259,9 @@ def fit_input(
             f"{path.name} -o out, then gonio fit out"
         )
     if path.is_file() and _native.is_tensor_file(path):
-        return tabulate(path, channels=channels), [input_file(path, role="measurement")]
+        known = {"u_relative": U_RELATIVE, "u_floor": U_FLOOR} | dict(stated or {})
+        sample = tabulate(path, channels=channels, u_relative=known["u_relative"], u_floor=known["u_floor"])
+        return sample, [input_file(path, role="measurement")]
     sample = Measurement.load(path)
     return sample, [input_file(path / JSON_NAME, role="measurement")]
 

@@ -166,6 +166,49 @@ def test_a_file_of_the_rgl_database_is_fitted(tmp_path):
     assert f.provenance["inputs"][0]["name"] == "paint.bsdf"
 
 
+def test_the_uncertainty_of_a_tabulated_material_is_stated_by_the_user(tmp_path):
+    path = tmp_path / "paint.bsdf"
+    write_tensor_file(path, synthetic([0.0], None))
+    options = {"model": "lambert", "channels": ["green"], "held_out": False}
+    asked = {"u_relative": 0.03, "u_floor": 0.001}
+    f = gonio.fit(path, **options, **asked)
+    same = gonio.fit(gonio.tabulate(path, channels=["green"], **asked), **options)
+    assert (f.estimate("kd").value, f.noise_ratio) == (same.estimate("kd").value, same.noise_ratio)
+    assert f.noise_ratio < 0.5 * gonio.fit(path, **options).noise_ratio
+    settings = f.provenance["settings"]
+    assert {name: settings[name] for name in asked} == asked
+    with pytest.raises(gonio.DomainError, match=r"u_relative: found 0.03 for a measurement, which states"):
+        gonio.fit(gonio.tabulate(path, channels=["green"]), u_relative=0.03)
+
+
+def test_readings_that_contradict_reciprocity_are_told_with_every_model(plastic):
+    assert all(w.code != "reciprocity" for w in gonio.fit(plastic, model="plastic").warnings)
+    factors = iter((1.0, 0.7, 0.5))
+    tilted = changed(plastic, lambda c: {"dsf": next(factors) * c["dsf"]})
+    verdict = next(v for v in gonio.check(tilted) if v.id == "reciprocity")
+    assert verdict.verdict == "fail"
+    f = gonio.fit(tilted, models=["lambert", "plastic"])
+    for fitted in (f, *f.ranking.fits):
+        (told,) = (w.text for w in fitted.warnings if w.code == "reciprocity")
+        assert told.startswith(f"the check of reciprocity fails: {verdict.sentence}")
+
+
+def test_what_speaks_against_a_model_is_data():
+    rng = np.random.default_rng(1)
+    white = gonio.tabulate(gonio.analytic({"model": "lambert", "rho": 0.9}), pitch=10, peak_pitch=10, reach=0)
+    noisy = changed(white, lambda c: {"dsf": rng.normal(c["dsf"], c["u_dsf"])})
+    best = gonio.fit(noisy)
+    assert best.model == "lambert"
+    assert all(e.open is None for e in best.estimates)
+    assert best.albedo.value == pytest.approx(best.estimate("kd").value, abs=1e-5)
+    assert best.albedo.u == pytest.approx(best.estimate("kd").u, rel=0.01)
+    plain = best.to_dict()
+    assert plain["albedo"]["theta_i"] in {s.theta_i for s in noisy}
+    assert plain["ranking"]["passed_over"] == dict(best.ranking.passed_over)
+    lobe = next(f for f in best.ranking.fits if f.model == "plastic")
+    assert {e.name for e in lobe.estimates if e.open} & {"specularity", "alpha"}
+
+
 def test_fit_models_are_data_and_all_of_them_can_be_named(plastic):
     names = [m.name for m in gonio.fit_models()]
     assert {"plastic", "metal", "trans", "ward-gmd", "abg", "lambert"} <= set(names)

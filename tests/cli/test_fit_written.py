@@ -7,6 +7,7 @@ import gonio
 import pytest
 
 from tests.cli.conftest import listing, one_clear_error
+from tests.validation.rgl import synthetic, write_tensor_file
 
 
 def saved(path, *parts, channels=None, **options):
@@ -42,7 +43,10 @@ def test_the_best_ranked_material_is_written_where_the_winner_has_none(run, face
         "fitted": "ggx",
         "fitted_error": ranked["ggx"]["held_out_error"],
         "program": "Radiance",
+        "ratio": ranked[order[0]]["held_out_error"] / 1e-4,
     }
+    assert "times that of ggx (more than 1.5)" in " ".join(done.err.split())
+    assert "# warning: the error of " in (tmp_path / "f" / "material.rad").read_text()
     errors = [f"{100 * ranked[m]['held_out_error']:.2f} %" for m in (order[0], "ggx")]
     sentence = f"the material is {order[0]}, the best ranked model that can be written for Radiance"
     head = (tmp_path / "f" / "material.rad").read_text().splitlines()[0]
@@ -55,6 +59,17 @@ def test_the_best_ranked_material_is_written_where_the_winner_has_none(run, face
     if order[0] == "plastic":
         assert paint.parameters["rough"] == pytest.approx(ranked["plastic"]["values"]["photopic"]["alpha"])
     assert "roughconductor" in (tmp_path / "f" / "mitsuba.xml").read_text()
+
+
+def test_the_uncertainty_of_a_measured_material_is_stated_on_the_command_line(run, facets, tmp_path):
+    path = tmp_path / "paint.bsdf"
+    write_tensor_file(path, synthetic([0.0], None))
+    ours = ("--model", "lambert", "--channel", "green", "--u-relative", 0.05, "--u-floor", 0.002, "--json")
+    done = run("fit", path, *ours)
+    assert done.code == 0, done.err
+    settings = json.loads(done.out)["provenance"]["settings"]
+    assert (settings["u_relative"], settings["u_floor"]) == (0.05, 0.002)
+    one_clear_error(run("fit", facets, "--u-relative", 0.05), "u_relative", "found 0.05", "gonio process")
 
 
 def test_the_ranking_tells_what_can_be_written_for_which_program(run, facets):

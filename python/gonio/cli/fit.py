@@ -64,6 +64,19 @@ def fit(
     signature: Annotated[
         bool, typer.Option("--signature/--no-signature", help="Fold the beam profile into the model.")
     ] = True,
+    u_relative: Annotated[
+        float | None,
+        typer.Option(
+            "--u-relative",
+            help="Relative standard uncertainty of values of a measured material (.bsdf); 0.01 without it.",
+        ),
+    ] = None,
+    u_floor: Annotated[
+        float | None,
+        typer.Option(
+            "--u-floor", help="The same at a DSF of 0, 1/sr; 0.0002 without it. Both add in squares."
+        ),
+    ] = None,
     colour: Annotated[
         str | None,
         typer.Option(metavar="R,G,B", help="Colour at any scale for the materials of a fit of one channel."),
@@ -109,6 +122,8 @@ def fit(
             max_theta_s=max_theta_s,
             retro_radius=retro_radius,
             signature=signature,
+            u_relative=u_relative,
+            u_floor=u_floor,
             progress=progress,
         )
         saved = None
@@ -136,6 +151,10 @@ def fit(
             out.print(f"no {file}: {reason}")
         for file, substitute in saved.substituted.items():
             out.print(f"{file}: {substitute.text}", style="bold")
+        warn([f"{file}: {s.warning}" for file, s in saved.substituted.items() if s.warning is not None])
+        for file, notes in saved.notes.items():
+            for text in notes:
+                out.print(f"{file}: {text}")
         for file, losses in saved.losses.items():
             for text in losses:
                 out.print(f"{file}: {text}")
