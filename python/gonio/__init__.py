@@ -24,16 +24,8 @@ from gonio.checking import check
 from gonio.colours import Colour, colour, colour_of_channels
 from gonio.demonstrating import DemoResult, demo
 from gonio.exporting import Export, export, read_radiance
-from gonio.fit_results import (
-    Estimate,
-    Fit,
-    FitModel,
-    FitParameter,
-    FitWarning,
-    HeldOut,
-    Ranking,
-    SliceResidual,
-)
+from gonio.fit_parameters import Estimate, FitModel, FitParameter
+from gonio.fit_results import Fit, FitWarning, HeldOut, Ranking, SliceResidual
 from gonio.fitting import fit, fit_models
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from gonio._native import DomainError
-from gonio.fit_results import Estimate, Fit
+from gonio.fit_parameters import Estimate
+from gonio.fit_results import Fit
 
 NEGLIGIBLE = 1e-3
 """Shares of the light below this do not make the shape of their lobe matter."""

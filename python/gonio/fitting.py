@@ -13,7 +13,8 @@ import numpy as np
 from gonio import _native
 from gonio._native import DomainError, FitError, FormatError
 from gonio.checking import MeasurementOrPath
-from gonio.fit_results import Fit, FitModel, FitParameter, FitWarning, Ranking, fit_of
+from gonio.fit_parameters import FitModel, FitParameter
+from gonio.fit_results import Fit, FitWarning, Ranking, fit_of
 from gonio.measurement import Measurement
 from gonio.measurement_header import JSON_NAME
 from gonio.model_files import is_zemax

@@ -12,7 +12,7 @@ import gonio
 from gonio import DomainError
 from gonio.analytic import ModelParameter
 from gonio.cli.running import Json, out, print_json
-from gonio.fit_results import FitParameter
+from gonio.fit_parameters import FitParameter
 
 
 def models(

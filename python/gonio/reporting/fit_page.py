@@ -11,7 +11,8 @@ from gonio._drawing.numbers import angle, number, percent
 from gonio._drawing.shapes import Snapshot, snapshot
 from gonio._native import DomainError
 from gonio.files import replacing_file
-from gonio.fit_results import Estimate, Fit, SliceResidual
+from gonio.fit_parameters import Estimate
+from gonio.fit_results import Fit, SliceResidual
 from gonio.measurement import Measurement
 from gonio.measurement_header import JSON_NAME
 from gonio.reporting import fit_figures, provenance
