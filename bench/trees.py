@@ -66,6 +66,8 @@ def run() -> list[dict[str, Any]]:
     wi, ws = directions(EVALUATIONS, 85, 1), directions(EVALUATIONS, 89, 2)
     incident, u = directions(SAMPLES, 85, 3), np.random.default_rng(4).random((SAMPLES, 3))
     one = np.ascontiguousarray(u[:, 0])
+    # Each library gets the layout that it reads in place.
+    columns = [np.ascontiguousarray(v.T) for v in (wi, ws)]
     times: dict[str, dict[str, tuple[float, float]]] = {"eval": {}, "sample": {}}
     with tempfile.TemporaryDirectory() as folder:
         for name, (parts, rank, depth) in TREES.items():
@@ -79,7 +81,7 @@ def run() -> list[dict[str, Any]]:
             np.testing.assert_allclose(drawn["weight"].mean(), theirs[1].mean(), rtol=0.01)
             # Default arguments hold this round's objects.
             times["eval"][name] = pairs(
-                lambda m=model: m.eval_directions(wi=wi, ws=ws),
+                lambda m=model: m.eval_directions(wi=columns[0], ws=columns[1]),
                 lambda p=peer: library.eval(p, wi, ws),
             )
             times["sample"][name] = pairs(

@@ -3,10 +3,11 @@
 use gonio_geom::disk::{disk_to_square, square_to_disk};
 use gonio_geom::{DVec3, Direction, Side};
 
+use super::mapping::{BITS, fixed};
 use super::{Node, Rank, Tree};
 
 /// Keeps normal incidence in the used half of a rank-3 tree, as Radiance does.
-const BELOW_HALF: f64 = 1e-7;
+pub(crate) const BELOW_HALF: f64 = 1e-7;
 
 /// Coordinates of a pair, `(incident..., exit x, exit y)`, each in `[0, 1]`; the last entry is unused at rank 3.
 ///
@@ -95,29 +96,31 @@ impl Tree {
     /// Value of the cell that holds `coordinates` (the first `rank` entries count; clamped to `[0, 1]`), 1/sr. No
     /// interpolation.
     pub fn lookup(&self, coordinates: &[f64; 4]) -> f64 {
-        const SCALE: f64 = (1u64 << 40) as f64;
-        let d = self.rank().dimensions();
-        // fixed point: each level takes the top bit
-        let mut position = [0u64; 4];
-        for (p, c) in position.iter_mut().zip(coordinates) {
-            *p = ((c.max(0.0) * SCALE) as u64).min((1 << 40) - 1);
-        }
-        let mut node = self.nodes()[0];
-        let mut shift = 40;
+        let [a, b, c, d] = coordinates.map(fixed);
+        f64::from(match self.rank() {
+            Rank::Three => self.descend(0, 0, [a, b, c]),
+            Rank::Four => self.descend(0, 0, [a, b, c, d]),
+        })
+    }
+
+    /// The value at a fixed-point position below node `index`, which lies `level` levels deep.
+    pub(crate) fn descend<const D: usize>(&self, index: usize, level: u32, position: [u32; D]) -> f32 {
+        let mut node = self.nodes()[index];
+        let mut shift = BITS - level;
         loop {
             match node {
                 Node::Branch { first } => {
                     shift -= 1;
-                    let child = (0..d).fold(0, |n, k| n | (((position[k] >> shift) & 1) as usize) << k);
+                    let child = (0..D).fold(0, |n, k| n | (((position[k] >> shift) & 1) as usize) << k);
                     node = self.nodes()[first as usize + child];
                 }
                 Node::Block { first, log2_side } => {
-                    let mask = (1u64 << log2_side) - 1;
+                    let mask = (1u32 << log2_side) - 1;
                     let shift = shift - u32::from(log2_side);
-                    let offset = (0..d).fold(0, |n, k| {
-                        n << log2_side | ((position[k] >> shift) & mask) as usize
-                    });
-                    return f64::from(self.values()[first as usize + offset]);
+                    let offset = position
+                        .iter()
+                        .fold(0, |n, p| n << log2_side | (p >> shift & mask) as usize);
+                    return self.values()[first as usize + offset];
                 }
             }
         }

@@ -3,16 +3,24 @@
 //! Coordinates are squares mapped to the disk of direction cosines [ShirleyChiu1997], so that a cell of side `w` has
 //! the projected solid angle `pi w^2`. Layout and lookup are Radiance's [WardEtAl2012].
 
+mod batch;
+mod column;
+mod grid;
 pub mod lookup;
+mod mapping;
 mod node;
 mod sample;
 
+use std::sync::OnceLock;
+
 use gonio_geom::{Component, Direction, Side};
 
+use crate::batch::{Directions, SampleColumns};
 use crate::{Bsdf, Channel, FourComponents, Properties, Sample};
+use column::Columns;
+use grid::Grid;
 pub use lookup::Cell;
 pub use node::{MAX_DEPTH, Node, Rank, Tree, TreeBuilder};
-use sample::Columns;
 
 /// A tensor-tree model: up to four trees.
 ///
@@ -23,7 +31,15 @@ use sample::Columns;
 pub struct TensorTree {
     channels: [Channel; 1],
     trees: FourComponents<Tree>,
-    columns: FourComponents<Columns>,
+    tables: FourComponents<Tables>,
+}
+
+/// What is made of a tree at its first use: a flat top for evaluation, columns for sampling.
+#[derive(Debug)]
+struct Tables {
+    grid: OnceLock<Grid>,
+    forward: Columns,
+    reversed: Columns,
 }
 
 impl Clone for TensorTree {
@@ -42,19 +58,38 @@ impl PartialEq for TensorTree {
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     pub(crate) tree: &'a Tree,
-    pub(crate) columns: &'a Columns,
+    tables: &'a Tables,
     /// Looked up with incidence and exit exchanged.
     pub(crate) reversed: bool,
+}
+
+impl<'a> Source<'a> {
+    /// The columns for the direction that is known.
+    fn columns(&self) -> &'a Columns {
+        if self.reversed {
+            &self.tables.reversed
+        } else {
+            &self.tables.forward
+        }
+    }
+
+    fn grid(&self) -> &'a Grid {
+        self.tables.grid.get_or_init(|| Grid::new(self.tree))
+    }
 }
 
 impl TensorTree {
     /// A model of the given trees for `channel`.
     pub fn new(channel: Channel, trees: FourComponents<Tree>) -> Self {
-        let columns = trees.map(|_, _, t| Columns::new(t));
+        let tables = trees.map(|_, _, t| Tables {
+            grid: OnceLock::new(),
+            forward: Columns::new(t, false),
+            reversed: Columns::new(t, true),
+        });
         TensorTree {
             channels: [channel],
             trees,
-            columns,
+            tables,
         }
     }
 
@@ -72,7 +107,7 @@ impl TensorTree {
         let from = |side, reversed| {
             Some(Source {
                 tree: self.trees.get(side, component)?,
-                columns: self.columns.get(side, component)?,
+                tables: self.tables.get(side, component)?,
                 reversed,
             })
         };
@@ -80,6 +115,28 @@ impl TensorTree {
             (component == Component::Transmission)
                 .then(|| from(side.opposite(), true))
                 .flatten()
+        })
+    }
+
+    /// `f(wi, ws)` of unit vectors, 1/sr.
+    fn value(&self, wi: [f64; 3], ws: [f64; 3]) -> f64 {
+        let (from, to) = (Side::of_z(wi[2]), Side::of_z(ws[2]));
+        if ws[2] == 0.0 {
+            return 0.0;
+        }
+        let Some(s) = self.source(from, Component::between(from, to)) else {
+            return 0.0;
+        };
+        let (i, o) = if s.reversed { (ws, wi) } else { (wi, ws) };
+        f64::from(match s.tree.rank() {
+            Rank::Three => {
+                let at = batch::isotropic_coordinates([i[0], i[1]], [o[0], o[1]]);
+                s.grid().value(s.tree, at.map(mapping::fixed))
+            }
+            Rank::Four => {
+                let ((a, b), (u, v)) = (mapping::square(-i[0], -i[1]), mapping::square(o[0], o[1]));
+                s.grid().value(s.tree, [a, b, u, v].map(mapping::fixed))
+            }
         })
     }
 
@@ -131,22 +188,30 @@ impl Bsdf for TensorTree {
     }
 
     fn eval_first(&self, wi: Direction, ws: Direction) -> f64 {
-        if ws.cos_theta() == 0.0 {
-            return 0.0;
-        }
-        let component = Component::between(wi.side(), ws.side());
-        let Some(s) = self.source(wi.side(), component) else {
-            return 0.0;
-        };
-        let (i, o) = if s.reversed { (ws, wi) } else { (wi, ws) };
-        s.tree.lookup(&lookup::coordinates(s.tree.rank(), i, o))
+        self.value(wi.vec().to_array(), ws.vec().to_array())
+    }
+
+    fn eval_f32(&self, wi: Directions<'_, f32>, ws: Directions<'_, f32>, f: &mut [&mut [f32]]) {
+        batch::eval(self, wi, ws, f[0]);
+    }
+
+    fn eval_f64(&self, wi: Directions<'_, f64>, ws: Directions<'_, f64>, f: &mut [&mut [f64]]) {
+        batch::eval(self, wi, ws, f[0]);
+    }
+
+    fn sample_f32(&self, w: Directions<'_, f32>, u: [&[f32]; 3], out: &mut SampleColumns<'_, f32>) {
+        batch::sample(self, w, u, out);
+    }
+
+    fn sample_f64(&self, w: Directions<'_, f64>, u: [&[f64]; 3], out: &mut SampleColumns<'_, f64>) {
+        batch::sample(self, w, u, out);
     }
 
     fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
         if !sample::applies(self, w.side()) {
             return broad_pdf(sampled);
         }
-        sample::pdf(self, w, sampled).unwrap_or(0.0)
+        sample::pdf(self, w, sampled)
     }
 
     /// Exact where the trees are read forwards or have rank 4: the weight is the albedo (reflection and transmission

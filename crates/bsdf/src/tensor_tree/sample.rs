@@ -1,127 +1,15 @@
-//! Exact sampling of a tree by cumulative tables over its exit cells, built at the first use of each incident cell.
+//! Exact sampling of a model of trees: a cell by its share of the albedo, then a point even in projected solid angle.
 
-use std::f64::consts::PI;
-use std::sync::{Arc, OnceLock};
+use gonio_geom::{Component, DVec3, Direction, Side};
 
-use gonio_geom::{Component, Direction, Side};
-
-use super::lookup::{self, Cell};
-use super::{Rank, Source, TensorTree, Tree};
-use crate::{Bsdf, Lobe, Sample};
-
-/// More incident cells than this are not cached: tables are then built for each sample.
-const MAX_CACHED: usize = 1 << 16;
-
-/// Cells over the free square with their cumulative albedo.
-#[derive(Debug)]
-pub(crate) struct Column {
-    cells: Vec<Cell>,
-    cumulative: Vec<f64>,
-}
-
-impl Column {
-    fn new(tree: &Tree, at: [f64; 2], reversed: bool) -> Self {
-        let mut column = Column {
-            cells: Vec::new(),
-            cumulative: Vec::new(),
-        };
-        let mut sum = 0.0;
-        let mut visit = |c: Cell| {
-            if c.value > 0.0 {
-                sum += PI * f64::from(c.value) * c.side * c.side;
-                column.cells.push(c);
-                column.cumulative.push(sum);
-            }
-        };
-        if reversed {
-            tree.reversed_cross_section(at, &mut visit);
-        } else {
-            tree.cross_section(at, &mut visit);
-        }
-        column
-    }
-
-    fn albedo(&self) -> f64 {
-        self.cumulative.last().copied().unwrap_or(0.0)
-    }
-}
-
-/// The columns of one component, by incident cell.
-#[derive(Debug, Default)]
-pub(crate) struct Columns {
-    cached: Vec<OnceLock<Arc<Column>>>,
-}
-
-impl Columns {
-    pub(crate) fn new(tree: &Tree) -> Self {
-        let bits = usize::from(tree.depth()) * tree.rank().incident_dimensions();
-        let n = if bits <= 16 { 1usize << bits } else { 0 };
-        let mut cached = Vec::new();
-        if n <= MAX_CACHED {
-            cached.resize_with(n, OnceLock::new);
-        }
-        Columns { cached }
-    }
-
-    fn get(&self, tree: &Tree, at: [f64; 2], reversed: bool) -> Arc<Column> {
-        if self.cached.is_empty() || reversed {
-            return Arc::new(Column::new(tree, at, reversed));
-        }
-        let n = 1usize << tree.depth();
-        let index = |x: f64| ((x * n as f64) as usize).min(n - 1);
-        let k = match tree.rank() {
-            Rank::Three => index(at[0]),
-            Rank::Four => index(at[0]) * n + index(at[1]),
-        };
-        Arc::clone(self.cached[k].get_or_init(|| Arc::new(Column::new(tree, at, false))))
-    }
-}
-
-/// The column that answers for `w`; `None` where a rank-3 tree would have to be read in reverse.
-pub(crate) fn column(source: Source<'_>, w: Direction) -> Option<Arc<Column>> {
-    let tree = source.tree;
-    if source.reversed {
-        if tree.rank() == Rank::Three {
-            return None;
-        }
-        let c = lookup::coordinates(tree.rank(), w, w);
-        return Some(source.columns.get(tree, [c[2], c[3]], true));
-    }
-    let c = lookup::coordinates(tree.rank(), w, w);
-    Some(source.columns.get(tree, [c[0], c[1]], false))
-}
-
-/// The column of one component for a direction, when the model has the component.
-type Part<'a> = Option<(Source<'a>, Arc<Column>)>;
+use super::column::{Drawn, Held};
+use super::mapping::{disk, isotropic_incidence, mirror_azimuth, square};
+use super::{Rank, Source, TensorTree};
+use crate::{Lobe, Sample};
 
 const COMPONENTS: [Component; 2] = [Component::Reflection, Component::Transmission];
 
-/// The columns of both components for light from `w`; `None` when one of them cannot be tabulated.
-fn both(model: &TensorTree, w: Direction) -> Option<[Part<'_>; 2]> {
-    let mut out = [None, None];
-    for (slot, component) in out.iter_mut().zip(COMPONENTS) {
-        if let Some(s) = model.source(w.side(), component) {
-            *slot = Some((s, column(s, w)?));
-        }
-    }
-    Some(out)
-}
-
-fn albedo(part: &Part<'_>) -> f64 {
-    part.as_ref().map_or(0.0, |(_, c)| c.albedo())
-}
-
-/// Density of the exact sampler; `None` where it does not apply.
-pub(crate) fn pdf(model: &TensorTree, w: Direction, sampled: Direction) -> Option<f64> {
-    let parts = both(model, w)?;
-    let total = albedo(&parts[0]) + albedo(&parts[1]);
-    if total <= 0.0 {
-        return Some(0.0);
-    }
-    Some(model.eval_first(w, sampled) * sampled.cos_theta().abs() / total)
-}
-
-/// Whether the exact sampler applies for light from `w`.
+/// Whether the exact sampler applies for light from `side`.
 pub(crate) fn applies(model: &TensorTree, side: Side) -> bool {
     COMPONENTS.iter().all(|c| {
         model
@@ -130,36 +18,105 @@ pub(crate) fn applies(model: &TensorTree, side: Side) -> bool {
     })
 }
 
-/// A cell by its share of the albedo, then a point uniform in projected solid angle.
-pub(crate) fn sample(model: &TensorTree, w: Direction, u: [f64; 3]) -> Option<Sample> {
-    let parts = both(model, w)?;
-    let first = albedo(&parts[0]);
-    let total = first + albedo(&parts[1]);
-    if total <= 0.0 {
-        return None;
+/// The components there are for light from one side; the exact sampler must apply.
+pub(crate) struct Sampler<'a> {
+    parts: [Option<Source<'a>>; 2],
+    side: Side,
+}
+
+/// What was drawn: the direction, its density, and the albedo, which is the weight.
+pub(crate) struct Point {
+    pub(crate) direction: [f64; 3],
+    pub(crate) pdf: f64,
+    pub(crate) weight: f64,
+}
+
+impl<'a> Sampler<'a> {
+    pub(crate) fn new(model: &'a TensorTree, side: Side) -> Self {
+        Sampler {
+            parts: COMPONENTS.map(|c| model.source(side, c)),
+            side,
+        }
     }
-    let target = u[2] * total;
-    let which = usize::from(target >= first);
-    let (source, column) = parts[which].as_ref()?;
-    let rest = target - which as f64 * first;
-    let k = column
-        .cumulative
-        .partition_point(|c| *c <= rest)
-        .min(column.cells.len().checked_sub(1)?);
-    let cell = column.cells[k];
-    let (a, b) = (cell.u + u[0] * cell.side, cell.v + u[1] * cell.side);
-    let side = COMPONENTS[which].scattered_side(w.side());
-    let rank = source.tree.rank();
-    let direction = if source.reversed {
-        lookup::incident_direction(rank, [a, b], side)
-    } else {
-        lookup::exit_direction(rank, w, a, b, side)
-    };
-    let pdf = model.eval_first(w, direction) * direction.cos_theta().abs() / total;
-    (pdf > 0.0).then_some(Sample {
+
+    /// The columns of both components for light from `w`.
+    #[inline(always)]
+    fn columns(&self, w: [f64; 3]) -> [Option<(Rank, Held<'a>)>; 2] {
+        let mut out = [None, None];
+        for (slot, source) in out.iter_mut().zip(&self.parts) {
+            let Some(s) = source else { continue };
+            let rank = s.tree.rank();
+            let at = match (rank, s.reversed) {
+                (Rank::Three, _) => [isotropic_incidence(w[0], w[1]), 0.0],
+                (Rank::Four, false) => square(-w[0], -w[1]).into(),
+                (Rank::Four, true) => square(w[0], w[1]).into(),
+            };
+            *slot = Some((rank, s.columns().get(s.tree, at)));
+        }
+        out
+    }
+
+    /// Albedo of reflection and transmission together.
+    pub(crate) fn albedo(&self, w: [f64; 3]) -> f64 {
+        let columns = self.columns(w);
+        columns.iter().flatten().map(|(_, c)| c.albedo).sum()
+    }
+
+    /// The cell drawn with `u` in `[0, 1)`: its component, the cell and the albedo of both.
+    #[inline(always)]
+    pub(crate) fn cell(&self, w: [f64; 3], u: f64) -> Option<(usize, Drawn, f64)> {
+        let columns = self.columns(w);
+        let albedo = |k: usize| columns[k].as_ref().map_or(0.0, |(_, c)| c.albedo);
+        let (first, total) = (albedo(0), albedo(0) + albedo(1));
+        let target = u * total;
+        let which = usize::from(target >= first);
+        let column = &columns[which].as_ref()?.1;
+        let share = (target - which as f64 * first) / column.albedo;
+        Some((which, column.draw(share)?, total))
+    }
+
+    /// The direction at point `(a, b)` of a cell that [`Sampler::cell`] gave for `w`.
+    #[inline(always)]
+    pub(crate) fn point(&self, w: [f64; 3], (which, cell, total): (usize, Drawn, f64), u: [f64; 2]) -> Point {
+        let (a, b) = cell.point(u[0], u[1]);
+        let (x, y) = disk(a, b);
+        let (x, y) = match &self.parts[which] {
+            Some(s) if s.tree.rank() == Rank::Three => {
+                let (c, s) = mirror_azimuth(w[0], w[1]);
+                (c * x - s * y, c * y + s * x)
+            }
+            Some(s) if s.reversed => (-x, -y),
+            _ => (x, y),
+        };
+        let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+        let sign = COMPONENTS[which].scattered_side(self.side).sign();
+        Point {
+            direction: [x, y, sign * z],
+            pdf: f64::from(cell.value) * z / total,
+            weight: total,
+        }
+    }
+}
+
+/// Density of the exact sampler.
+pub(crate) fn pdf(model: &TensorTree, w: Direction, sampled: Direction) -> f64 {
+    let total = Sampler::new(model, w.side()).albedo(w.vec().to_array());
+    if total <= 0.0 {
+        return 0.0;
+    }
+    model.value(w.vec().to_array(), sampled.vec().to_array()) * sampled.cos_theta().abs() / total
+}
+
+/// One sample; `u[2]` draws the cell.
+pub(crate) fn sample(model: &TensorTree, w: Direction, u: [f64; 3]) -> Option<Sample> {
+    let sampler = Sampler::new(model, w.side());
+    let w = w.vec().to_array();
+    let point = sampler.point(w, sampler.cell(w, u[2])?, [u[0], u[1]]);
+    let direction = Direction::new(DVec3::from_array(point.direction))?;
+    (point.pdf > 0.0).then_some(Sample {
         direction,
-        weight: total,
-        pdf,
+        weight: point.weight,
+        pdf: point.pdf,
         lobe: Lobe::Glossy,
     })
 }

@@ -1,6 +1,7 @@
 use std::f64::consts::PI;
 
 use super::*;
+use crate::testing::Numbers;
 
 /// A tree of two levels whose cells differ: a branch, one of its children a branch, the others blocks.
 fn tree(rank: Rank) -> Tree {
@@ -199,4 +200,161 @@ fn a_rank_3_transmission_read_in_reverse_is_reciprocal_and_still_sampled() {
     }
     let albedo = m.directional_albedo(down, Component::Transmission);
     assert!((mean - albedo).abs() < 0.02 * albedo, "{mean} {albedo}");
+}
+
+/// A tree deeper than its flat top: a peak that halves the last cell of every level.
+fn deep(rank: Rank) -> Tree {
+    let mut b = TreeBuilder::new(rank);
+    let levels = 10_u8;
+    for _ in 0..levels {
+        b.branch().unwrap();
+    }
+    for level in 0..levels {
+        // The innermost branch has all its children as values, the others all but the one that went on.
+        let n = rank.children() - usize::from(level > 0);
+        for child in 0..n {
+            b.block(&[f32::from(level) + child as f32 / 16.0]).unwrap();
+        }
+        b.end().unwrap();
+    }
+    b.finish().unwrap()
+}
+
+/// A unit vector even over the whole sphere.
+fn anywhere(numbers: &mut Numbers) -> Direction {
+    let d = numbers.direction();
+    if numbers.next() < 0.5 {
+        d.through().mirror()
+    } else {
+        d
+    }
+}
+
+#[test]
+fn values_are_those_of_the_cells_whichever_way_they_are_asked_for() {
+    use crate::batch::{Directions, Number};
+    let everything = [Rank::Three, Rank::Four].map(|rank| {
+        let mut four = FourComponents::default();
+        four.set(Side::Front, Component::Reflection, Some(deep(rank)));
+        four.set(Side::Front, Component::Transmission, Some(tree(rank)));
+        TensorTree::new(Channel::Photopic, four)
+    });
+    let mut numbers = Numbers::new(11);
+    for m in everything {
+        let pairs: Vec<(Direction, Direction)> = (0..3000)
+            .map(|_| (anywhere(&mut numbers), anywhere(&mut numbers)))
+            .collect();
+        let columns = |of: fn(&(Direction, Direction)) -> Direction| {
+            [0, 1, 2].map(|k| pairs.iter().map(|p| of(p).vec()[k]).collect::<Vec<f64>>())
+        };
+        let (wi, ws) = (columns(|p| p.0), columns(|p| p.1));
+        let mut found = vec![0.0; pairs.len()];
+        fn views(v: &[Vec<f64>; 3]) -> Directions<'_, f64> {
+            Directions::Each([&v[0], &v[1], &v[2]])
+        }
+        f64::eval(&m, views(&wi), views(&ws), &mut [&mut found]);
+        for ((wi, ws), found) in pairs.iter().zip(&found) {
+            let component = Component::between(wi.side(), ws.side());
+            let want = m.source(wi.side(), component).map_or(0.0, |s| {
+                let (i, o) = if s.reversed { (*ws, *wi) } else { (*wi, *ws) };
+                s.tree.lookup(&lookup::coordinates(s.tree.rank(), i, o))
+            });
+            assert_eq!((m.eval_first(*wi, *ws), *found), (want, want), "{wi:?} {ws:?}");
+        }
+    }
+}
+
+#[test]
+fn the_peak_of_a_deep_tree_is_found() {
+    for rank in [Rank::Three, Rank::Four] {
+        let t = deep(rank);
+        let grid = Grid::new(&t);
+        assert_eq!(t.depth(), 10);
+        let mut numbers = Numbers::new(12);
+        for k in 0..5000 {
+            // Ever nearer to the corner where the cells shrink.
+            let near = 0.5_f64.powi(k % 12);
+            let at = [(); 4].map(|()| mapping::fixed(near * numbers.next()));
+            let (flat, walked) = match rank {
+                Rank::Three => {
+                    let at = [at[0], at[1], at[2]];
+                    (grid.value(&t, at), t.descend(0, 0, at))
+                }
+                Rank::Four => (grid.value(&t, at), t.descend(0, 0, at)),
+            };
+            assert_eq!(flat, walked, "{at:?}");
+        }
+    }
+}
+
+#[test]
+fn the_fast_map_is_the_concentric_one() {
+    use gonio_geom::disk::{disk_to_square, square_to_disk};
+    let mut numbers = Numbers::new(13);
+    let corners = [0.0, 0.25, 0.5, 0.75, 1.0];
+    let exact = corners.iter().flat_map(|u| corners.map(|v| (*u, v)));
+    let random: Vec<(f64, f64)> = (0..10_000).map(|_| (numbers.next(), numbers.next())).collect();
+    for (u, v) in exact.chain(random) {
+        let ((x, y), (p, q)) = (square_to_disk(u, v), mapping::disk(u, v));
+        assert!((x - p).abs() < 1e-15 && (y - q).abs() < 1e-15, "{u} {v}");
+        let ((u, v), (p, q)) = (disk_to_square(x, y), mapping::square(x, y));
+        assert!((u - p).abs() < 3e-13 && (v - q).abs() < 3e-13, "{x} {y}");
+    }
+}
+
+#[test]
+fn fixed_point_coordinates_are_floors_and_stay_inside() {
+    let one = 1_u32 << 31;
+    for (x, want) in [
+        (0.0, 0),
+        (0.5, one / 2),
+        (0.25, one / 4),
+        (1.0, one - 1),
+        (-1.0, 0),
+    ] {
+        assert_eq!(mapping::fixed(x), want, "{x}");
+    }
+    assert_eq!((mapping::fixed(f64::NAN), mapping::fixed(2.0)), (0, one - 1));
+    let step = 1.0 / f64::from(one);
+    for x in [0.3, 0.61803, 0.999] {
+        let floor = (x / step).floor() as u32;
+        assert_eq!(mapping::fixed(x), floor, "{x}");
+        assert_eq!(mapping::fixed((f64::from(floor) + 0.01) * step), floor);
+        assert_eq!(mapping::fixed((f64::from(floor) + 0.99) * step), floor);
+    }
+}
+
+#[test]
+fn samples_of_many_are_those_of_one() {
+    use crate::batch::{Directions, Number, SampleColumns};
+    let m = model(&[
+        (Side::Front, Component::Reflection, Rank::Four),
+        (Side::Front, Component::Transmission, Rank::Four),
+    ]);
+    let mut numbers = Numbers::new(14);
+    let n = 600;
+    let w: Vec<Direction> = (0..n).map(|_| anywhere(&mut numbers)).collect();
+    let [x, y, z] = [0, 1, 2].map(|k| w.iter().map(|w| w.vec()[k]).collect::<Vec<f64>>());
+    let u = [(); 3].map(|()| (0..n).map(|_| numbers.next()).collect::<Vec<f64>>());
+    let (mut a, mut b, mut c) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let (mut weight, mut pdf) = (vec![0.0; n], vec![0.0; n]);
+    let mut out = SampleColumns {
+        direction: [&mut a, &mut b, &mut c],
+        weight: vec![&mut weight],
+        pdf: &mut pdf,
+    };
+    f64::sample(
+        &m,
+        Directions::Each([&x, &y, &z]),
+        [&u[0], &u[1], &u[2]],
+        &mut out,
+    );
+    for (k, w) in w.iter().enumerate() {
+        // From the back there is transmission alone.
+        let one = m.sample(*w, [u[0][k], u[1][k], u[2][k]]).unwrap();
+        let v = one.direction.vec();
+        assert!((v.x - a[k]).abs() < 1e-12 && (v.y - b[k]).abs() < 1e-12 && (v.z - c[k]).abs() < 1e-12);
+        assert_eq!((one.weight, one.pdf), (weight[k], pdf[k]));
+        assert!((one.pdf - m.pdf(*w, one.direction)).abs() < 1e-9 * one.pdf, "{k}");
+    }
 }
