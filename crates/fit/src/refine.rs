@@ -22,9 +22,11 @@ const HELD_AFTER: usize = 8;
 const SETTLED: f64 = 1e-3;
 /// Rounds of beam profile rules at most.
 const PLAN_ROUNDS: usize = 5;
-/// Error of a quadrature rule that is allowed, in standard deviations and as a fraction of the DSF.
-const RULE_SIGMA: f64 = 0.02;
-const RULE_RELATIVE: f64 = 1e-4;
+/// Error of a quadrature rule that is allowed in every reading at once, in standard deviations of their mean: the errors
+/// of neighbours have the same sign, and what one reading hides moves the minimum when all of them share it.
+const RULE_BIAS: f64 = 0.1;
+/// The same as a fraction of the DSF: rounding.
+const RULE_RELATIVE: f64 = 1e-6;
 /// Relative change of an interface's index ratio that asks for new rules.
 const RATIO_MOVED: f64 = 1e-3;
 
@@ -161,6 +163,7 @@ pub(crate) fn fold_in_beam(chart: &Chart<'_>, data: &mut FitData, x: &[f64]) {
 
 /// The coarsest rule that serves each reading: the one that the next finer one hardly changes.
 fn plan(chart: &Chart<'_>, data: &FitData, x: &[f64]) -> Vec<Vec<u8>> {
+    let allowed = RULE_BIAS / (data.len().max(1) as f64).sqrt();
     data.slabs
         .par_iter()
         .map_init(Scratch::default, |scratch, slab| {
@@ -193,7 +196,7 @@ fn plan(chart: &Chart<'_>, data: &FitData, x: &[f64]) -> Vec<Vec<u8>> {
                 let (mut rest, mut rest_value) = (Vec::new(), Vec::new());
                 for ((&j, &coarse), &fine) in active.iter().zip(&value).zip(&finer) {
                     let sigma = (slab.law.variance(fine) + slab.extra[j as usize]).sqrt();
-                    if (fine - coarse).abs() > RULE_RELATIVE * fine.abs() + RULE_SIGMA * sigma {
+                    if (fine - coarse).abs() > RULE_RELATIVE * fine.abs() + allowed * sigma {
                         levels[j as usize] = level as u8 + 1;
                         rest.push(j);
                         rest_value.push(fine);
