@@ -7,6 +7,7 @@ pub mod albedo;
 pub mod analytic;
 pub mod batch;
 pub mod channel;
+pub mod compact;
 pub mod components;
 pub mod error;
 pub mod half_difference;
@@ -21,6 +22,7 @@ pub mod traits;
 
 pub use albedo::directional_albedo;
 pub use channel::Channel;
+pub use compact::Compact;
 pub use components::FourComponents;
 pub use error::BsdfError;
 pub use half_difference::HalfDifference;

@@ -3,7 +3,9 @@
 use std::sync::{Arc, LazyLock};
 
 use gonio_bsdf::analytic::{Sum, family, models};
-use gonio_bsdf::{Bsdf, Channel, RadianceMaterial};
+use gonio_bsdf::compact::{BaseLobe, CompactPart, Frame, Quantised, Symmetry};
+use gonio_bsdf::{Bsdf, Channel, Compact, FourComponents, RadianceMaterial};
+use gonio_geom::Component;
 use rayon::prelude::*;
 
 use crate::chi_square::sidak;
@@ -87,7 +89,57 @@ fn radiance() -> Subject {
     }
 }
 
-/// The registered models, a sum of four of them and Radiance materials.
+/// Compact models: both components, isotropic and not, ratios between 1/e and e.
+fn compact() -> Subject {
+    let settings = [
+        Symmetry::Isotropic,
+        Symmetry::Quadrilateral,
+        Symmetry::Anisotropic,
+    ]
+    .map(|symmetry| {
+        let isotropic = symmetry.is_isotropic();
+        let mut parts = FourComponents::default();
+        for (side, component) in FourComponents::<()>::KEYS {
+            let frame = Frame {
+                symmetry,
+                width: if isotropic { [0.1; 2] } else { [0.1, 0.3] },
+                phi_x: if isotropic { 0.0 } else { 0.7 },
+                shape: [8, if isotropic { 1 } else { 5 }, 12, 9],
+            };
+            let values: Vec<f64> = (0..frame.len()).map(|k| (0.37 * k as f64).sin()).collect();
+            let (diffuse, lobe) = match (component, isotropic) {
+                (Component::Reflection, true) => ("lambert", ("ggx", vec![0.5, 0.1])),
+                (Component::Reflection, false) => {
+                    ("lambert", ("ward-gmd-anisotropic", vec![0.3, 0.1, 0.3, 0.7]))
+                }
+                (Component::Transmission, _) => (
+                    "lambert-transmission",
+                    ("bounded-transmission-lobe", vec![0.2, 0.15]),
+                ),
+            };
+            let base =
+                [(diffuse, vec![0.1], 0.1), (lobe.0, lobe.1, 0.25)].map(|(model, p, weight)| BaseLobe {
+                    model: model.into(),
+                    parameters: vec![p],
+                    weight,
+                });
+            let part = CompactPart {
+                base: base.to_vec(),
+                frame,
+                table: Quantised::of(&frame, &values, 8).unwrap(),
+            };
+            parts.set(side, component, Some(part));
+        }
+        let model = Compact::new(vec![Channel::Photopic], parts, false).unwrap();
+        (symmetry.name().to_owned(), Arc::new(model) as Arc<dyn Bsdf>)
+    });
+    Subject {
+        name: "compact",
+        settings: settings.into(),
+    }
+}
+
+/// The registered models, a sum of four of them, Radiance materials and compact models.
 fn subjects() -> Vec<Subject> {
     let registered = models().map(|model| Subject {
         name: model.info().name,
@@ -111,7 +163,7 @@ fn subjects() -> Vec<Subject> {
         settings: vec![("four parts".into(), Arc::new(sum.unwrap()))],
     };
     registered
-        .chain([sum, radiance()])
+        .chain([sum, radiance(), compact()])
         .filter(|s| wanted(s.name))
         .collect()
 }

@@ -1,0 +1,279 @@
+//! gonio's compact model: a sum of analytic lobes times a table of ratios.
+//!
+//! `f = b(wi, ws) exp(q)`, `b` a sum of models of the registry, `q` interpolated linearly between quantised nodes in the
+//! coordinates of a [`Frame`], in which peaks about the mirror (unbent) direction stay resolved at every incidence. Samples
+//! are drawn from `b`, whose mixture density they have exactly; their weight is bounded, as the ratio is.
+
+mod batch;
+mod frame;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use gonio_geom::{Component, Direction, Side};
+
+use crate::analytic::{Parametric, Scatters, Sum, model_named};
+use crate::batch::{Directions, SampleColumns, eval_each, sample_each};
+use crate::{Bsdf, BsdfError, Channel, FourComponents, Properties, Sample};
+
+pub use frame::{Frame, Symmetry};
+use table::Dense;
+pub use table::{Codes, LARGEST, Quantised};
+
+/// One lobe of a base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseLobe {
+    /// Name of an analytic model that scatters into the part's component alone.
+    pub model: String,
+    /// Its parameters, one list a channel.
+    pub parameters: Vec<Vec<f64>>,
+    /// How often it is drawn from, relative to the other lobes of the side; positive.
+    pub weight: f64,
+}
+
+/// One component of a compact model, as it is stored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompactPart {
+    /// The lobes whose sum is multiplied.
+    pub base: Vec<BaseLobe>,
+    /// Coordinates and nodes of the table.
+    pub frame: Frame,
+    /// The logarithms of the ratios.
+    pub table: Quantised,
+}
+
+impl CompactPart {
+    /// Bytes of the table for one channel: codes, offsets and steps.
+    pub fn bytes_per_channel(&self) -> usize {
+        self.frame.len() * self.table.codes.bits() as usize / 8 + 8 * self.frame.shape[0]
+    }
+}
+
+/// A part made ready.
+struct Part {
+    side: Side,
+    component: Component,
+    base: Sum,
+    frame: Frame,
+    dense: Dense,
+    /// Probability of drawing from it for light on its side.
+    probability: f64,
+}
+
+/// A compact model; see docs/models/compact.md.
+pub struct Compact {
+    channels: Vec<Channel>,
+    energy_conserving: bool,
+    stored: FourComponents<CompactPart>,
+    parts: Vec<Part>,
+}
+
+/// Pairs whose base is evaluated at once.
+const STRETCH: usize = 1024;
+
+impl Compact {
+    /// The model of `parts`. `energy_conserving` is what [`Bsdf::properties`] answers.
+    ///
+    /// # Errors
+    /// [`BsdfError::Domain`] for no channel, no part, a frame or table out of its range, and a base without a lobe, with one
+    /// that is unknown, of another component, without positive weight or with parameters out of range.
+    pub fn new(
+        channels: Vec<Channel>,
+        parts: FourComponents<CompactPart>,
+        energy_conserving: bool,
+    ) -> Result<Self, BsdfError> {
+        if channels.is_empty() || parts.is_empty() {
+            let found = format!("{} channels, {} components", channels.len(), parts.len());
+            return Err(domain("parts", found, "at least one channel and component"));
+        }
+        let mut ready = Vec::new();
+        for (side, component, part) in parts.iter() {
+            part.frame.check()?;
+            part.table.check(&part.frame, channels.len())?;
+            let of_side = |p: &CompactPart| p.base.iter().map(|l| l.weight).sum::<f64>();
+            let total: f64 = parts
+                .iter()
+                .filter(|(s, ..)| *s == side)
+                .map(|(.., p)| of_side(p))
+                .sum();
+            ready.push(Part {
+                side,
+                component,
+                base: base(&channels, component, &part.base)?,
+                frame: part.frame,
+                dense: Dense::new(&part.frame, &part.table, channels.len()),
+                probability: of_side(part) / total,
+            });
+        }
+        Ok(Compact {
+            channels,
+            energy_conserving,
+            stored: parts,
+            parts: ready,
+        })
+    }
+
+    /// The components as they are stored.
+    pub fn parts(&self) -> &FourComponents<CompactPart> {
+        &self.stored
+    }
+
+    fn part(&self, w: Direction, s: Direction) -> Option<&Part> {
+        if w.cos_theta() == 0.0 || s.cos_theta() == 0.0 {
+            return None;
+        }
+        let (side, component) = (w.side(), Component::between(w.side(), s.side()));
+        self.parts
+            .iter()
+            .find(|p| p.side == side && p.component == component)
+    }
+}
+
+/// The sum of a part's lobes, drawn by their weights.
+fn base(channels: &[Channel], component: Component, lobes: &[BaseLobe]) -> Result<Sum, BsdfError> {
+    let mut parts = Vec::with_capacity(lobes.len());
+    for lobe in lobes {
+        let family: &dyn Parametric = model_named(&lobe.model)?;
+        let only = match component {
+            Component::Reflection => Scatters::Reflection,
+            Component::Transmission => Scatters::Transmission,
+        };
+        if family.info().scatters != only {
+            let allowed = format!("models of {component} alone");
+            return Err(domain("base", lobe.model.clone(), allowed));
+        }
+        if !(lobe.weight > 0.0 && lobe.weight.is_finite()) {
+            return Err(domain("weight", lobe.weight.to_string(), "positive numbers"));
+        }
+        if lobe.parameters.len() != channels.len() {
+            let found = format!("{} of {}", lobe.parameters.len(), lobe.model);
+            return Err(domain(
+                "parameters",
+                found,
+                format!("one list a channel, {}", channels.len()),
+            ));
+        }
+        let parameters: Vec<_> = channels
+            .iter()
+            .copied()
+            .zip(lobe.parameters.iter().cloned())
+            .collect();
+        parts.push((family.model(&parameters)?, lobe.weight));
+    }
+    Sum::weighted(parts, true)
+}
+
+fn domain(field: &'static str, found: impl Into<String>, allowed: impl Into<String>) -> BsdfError {
+    BsdfError::Domain {
+        field,
+        found: found.into(),
+        allowed: allowed.into(),
+    }
+}
+
+impl Part {
+    /// Both directions above the sample plane.
+    fn up(d: Direction) -> [f64; 3] {
+        let v = d.vec();
+        [v.x, v.y, v.z.abs()]
+    }
+
+    /// `f` of every channel.
+    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
+        let at = self.frame.coordinates(Self::up(wi), Self::up(ws));
+        let density = self.frame.density();
+        let positions = [0, 1, 2, 3].map(|k| [(at[k] * density[k]) as f32]);
+        self.base.eval(wi, ws, f);
+        for (group, rows) in f.chunks_mut(4).enumerate() {
+            let mut logs = [[0.0]; 4];
+            self.dense
+                .interpolate_group(group, &positions, &[1.0], &mut logs[..rows.len()]);
+            for (f, log) in rows.iter_mut().zip(logs) {
+                let value = *f * f64::from(log[0]).exp();
+                *f = if value.is_finite() { value } else { 0.0 };
+            }
+        }
+    }
+}
+
+impl Bsdf for Compact {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Not reciprocal by construction.
+    fn properties(&self) -> Properties {
+        Properties {
+            reciprocal: false,
+            energy_conserving: self.energy_conserving,
+            isotropic: self.parts.iter().all(|p| p.frame.symmetry.is_isotropic()),
+        }
+    }
+
+    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
+        match self.part(wi, ws) {
+            Some(part) => part.eval(wi, ws, f),
+            None => f.fill(0.0),
+        }
+    }
+
+    fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
+        self.part(w, sampled)
+            .map_or(0.0, |part| part.probability * part.base.pdf(w, sampled))
+    }
+
+    /// Draws a component, a lobe of its base and a direction from it; the density is that of the mixture.
+    fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
+        if w.cos_theta() == 0.0 {
+            return None;
+        }
+        let mut rest = u[2];
+        let mut parts = self.parts.iter().filter(|p| p.side == w.side()).peekable();
+        let part = loop {
+            let part = parts.next()?;
+            if rest < part.probability || parts.peek().is_none() {
+                break part;
+            }
+            rest -= part.probability;
+        };
+        let rest = (rest / part.probability).clamp(0.0, 1.0 - f64::EPSILON);
+        let drawn = part.base.sample(w, [u[0], u[1], rest])?;
+        let pdf = Bsdf::pdf(self, w, drawn.direction);
+        let weight = self.eval_first(w, drawn.direction) * drawn.direction.cos_theta().abs() / pdf;
+        (pdf > 0.0 && weight.is_finite()).then_some(Sample { weight, pdf, ..drawn })
+    }
+
+    fn eval_f32(&self, wi: Directions<'_, f32>, ws: Directions<'_, f32>, f: &mut [&mut [f32]]) {
+        let n = f.first().map_or(0, |row| row.len());
+        assert!(
+            f.len() == self.channels.len()
+                && f.iter().all(|row| row.len() == n)
+                && wi.serves(n)
+                && ws.serves(n),
+            "one row a channel and one entry a pair"
+        );
+        let mut base = vec![0.0_f32; STRETCH.min(n) * f.len()];
+        for start in (0..n).step_by(STRETCH) {
+            let range = start..(start + STRETCH).min(n);
+            let (wi, ws) = (wi.range(range.clone()), ws.range(range.clone()));
+            let mut rows: Vec<&mut [f32]> = f.iter_mut().map(|row| &mut row[range.clone()]).collect();
+            rows.iter_mut().for_each(|row| row.fill(0.0));
+            for part in &self.parts {
+                if !batch::any_in(part.side, part.component, wi, ws, range.len()) {
+                    continue;
+                }
+                let mut base: Vec<&mut [f32]> = base.chunks_mut(range.len()).take(rows.len()).collect();
+                part.base.eval_f32(wi, ws, &mut base);
+                batch::add(part, wi, ws, &base, &mut rows);
+            }
+        }
+    }
+
+    fn eval_f64(&self, wi: Directions<'_, f64>, ws: Directions<'_, f64>, f: &mut [&mut [f64]]) {
+        eval_each(self, wi, ws, f);
+    }
+
+    fn sample_f64(&self, w: Directions<'_, f64>, u: [&[f64]; 3], out: &mut SampleColumns<'_, f64>) {
+        sample_each(self, w, u, out);
+    }
+}
