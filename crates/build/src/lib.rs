@@ -11,6 +11,7 @@ mod readings;
 mod smoothing;
 mod table;
 
+pub mod channels;
 pub mod cubic;
 mod data_driven;
 pub mod error;
@@ -20,6 +21,7 @@ pub mod slice_surface;
 pub mod symmetry;
 pub mod warp;
 
+pub use channels::SideBySide;
 pub use data_driven::{BuildOptions, DataDriven, PartSummary};
 pub use error::BuildError;
 pub use leave_one_out::LooError;

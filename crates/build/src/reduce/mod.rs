@@ -3,6 +3,8 @@
 //! A reduced model is an average of the model over cells of equal treatment of incidence and exit, so it keeps the
 //! energy of the model; what it loses in resolution [`loss`] tells per incidence.
 
+mod compact;
+mod comparison;
 mod klems;
 mod loss;
 mod tensor_tree;
@@ -10,6 +12,8 @@ mod tensor_tree;
 use gonio_bsdf::{Bsdf, BsdfError, Channel, FourComponents};
 use gonio_geom::{Component, Direction, Side};
 
+pub use compact::{CompactOptions, CompactReduction, to_compact};
+pub use comparison::{Comparison, compare};
 pub use klems::{KlemsOptions, KlemsReduction, to_klems};
 pub use loss::{Loss, loss};
 pub use tensor_tree::{TreeOptions, TreeReduction, to_tensor_tree};

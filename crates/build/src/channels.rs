@@ -1,0 +1,106 @@
+//! Models of single channels as one model of them all.
+
+use std::sync::Arc;
+
+use gonio_bsdf::{Bsdf, BsdfError, Channel, Properties};
+use gonio_geom::Direction;
+
+/// Several models side by side, each for its own channels, as a measurement of three colours gives three data-driven models.
+///
+/// It is evaluated; its samples are cosine-weighted (the default of [`Bsdf::sample`]). Ideal parts are left out.
+pub struct SideBySide {
+    models: Vec<Arc<dyn Bsdf>>,
+    channels: Vec<Channel>,
+}
+
+impl SideBySide {
+    /// The channels of all `models`, in their order.
+    ///
+    /// # Errors
+    /// [`BsdfError::Domain`] for no model and for a channel that two of them have.
+    pub fn new(models: Vec<Arc<dyn Bsdf>>) -> Result<Self, BsdfError> {
+        let mut channels: Vec<Channel> = Vec::new();
+        let domain = |found: String, allowed: &str| BsdfError::Domain {
+            field: "models",
+            found,
+            allowed: allowed.into(),
+        };
+        for channel in models.iter().flat_map(|m| m.channels()) {
+            if channels.contains(channel) {
+                return Err(domain(format!("channel {channel} twice"), "each channel once"));
+            }
+            channels.push(*channel);
+        }
+        if channels.is_empty() {
+            return Err(domain("none".into(), "at least one"));
+        }
+        Ok(SideBySide { models, channels })
+    }
+}
+
+impl Bsdf for SideBySide {
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// What all of them promise.
+    fn properties(&self) -> Properties {
+        let all = |of: fn(&Properties) -> bool| self.models.iter().all(|m| of(&m.properties()));
+        Properties {
+            reciprocal: all(|p| p.reciprocal),
+            energy_conserving: all(|p| p.energy_conserving),
+            isotropic: all(|p| p.isotropic),
+        }
+    }
+
+    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
+        let mut rest = f;
+        for model in &self.models {
+            let (own, others) = rest.split_at_mut(model.channels().len());
+            match own {
+                [one] => *one = model.eval_first(wi, ws),
+                many => model.eval(wi, ws, many),
+            }
+            rest = others;
+        }
+    }
+
+    /// Whether all of them rest on data.
+    fn has_data(&self, wi: Direction, ws: Direction) -> bool {
+        self.models.iter().all(|m| m.has_data(wi, ws))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gonio_bsdf::analytic::family;
+
+    use super::*;
+
+    fn model(channels: &[(Channel, f64)]) -> Arc<dyn Bsdf> {
+        let parameters: Vec<_> = channels.iter().map(|(c, rho)| (*c, vec![*rho])).collect();
+        Arc::from(family("lambert").unwrap().model(&parameters).unwrap())
+    }
+
+    #[test]
+    fn each_channel_answers_as_its_own_model_does() {
+        let (red, others) = (
+            model(&[(Channel::Red, 0.9)]),
+            model(&[(Channel::Green, 0.5), (Channel::Blue, 0.1)]),
+        );
+        let all = SideBySide::new(vec![red, others]).unwrap();
+        assert_eq!(all.channels(), [Channel::Red, Channel::Green, Channel::Blue]);
+        let (wi, ws) = (
+            Direction::from_degrees(20.0, 0.0),
+            Direction::from_degrees(50.0, 90.0),
+        );
+        let mut f = [0.0; 3];
+        all.eval(wi, ws, &mut f);
+        for (f, rho) in f.iter().zip([0.9, 0.5, 0.1]) {
+            assert!((f * std::f64::consts::PI - rho).abs() < 1e-12);
+        }
+        assert!(all.properties().isotropic && all.has_data(wi, ws));
+        assert!(SideBySide::new(vec![model(&[(Channel::Red, 0.1)]), model(&[(Channel::Red, 0.2)])]).is_err());
+        assert!(SideBySide::new(Vec::new()).is_err());
+    }
+}
