@@ -3,6 +3,7 @@
 from gonio._native import (
     FLAGS,
     Bsdf,
+    Compact,
     DataDriven,
     DomainError,
     FitError,
@@ -22,6 +23,9 @@ from gonio.analytic import Model, ModelParameter, analytic, directional_albedo, 
 from gonio.building import build
 from gonio.checking import check
 from gonio.colours import Colour, colour, colour_of_channels
+from gonio.compact_files import write_compact
+from gonio.comparing import ComparedIncidence, ModelComparison, compare
+from gonio.comparing_pictures import compare_picture
 from gonio.demonstrating import DemoResult, demo
 from gonio.exporting import Export, export, read_radiance
 from gonio.fit_parameters import Estimate, FitModel, FitParameter
@@ -33,6 +37,7 @@ from gonio.model_files import read_bsdf
 from gonio.processing import process
 from gonio.radiance_materials import read_materials, write_materials
 from gonio.readings import Readings, read
+from gonio.reducing import Reduction, reduce
 from gonio.reporting import report
 from gonio.simulating import simulate
 from gonio.sphere_readings import SphereResult, specularity
@@ -43,6 +48,8 @@ __all__ = [
     "FLAGS",
     "Bsdf",
     "Colour",
+    "Compact",
+    "ComparedIncidence",
     "DataDriven",
     "DemoResult",
     "DomainError",
@@ -59,11 +66,13 @@ __all__ = [
     "HemisphericalIntegral",
     "Measurement",
     "Model",
+    "ModelComparison",
     "ModelParameter",
     "QuantityError",
     "RadianceMaterial",
     "Ranking",
     "Readings",
+    "Reduction",
     "Resolution",
     "Rgl",
     "Roughness",
@@ -78,6 +87,8 @@ __all__ = [
     "check",
     "colour",
     "colour_of_channels",
+    "compare",
+    "compare_picture",
     "demo",
     "directional_albedo",
     "export",
@@ -90,10 +101,12 @@ __all__ = [
     "read_bsdf",
     "read_materials",
     "read_radiance",
+    "reduce",
     "report",
     "roughness",
     "simulate",
     "specularity",
     "tabulate",
+    "write_compact",
     "write_materials",
 ]

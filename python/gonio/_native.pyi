@@ -390,6 +390,36 @@ class TensorTree(Bsdf):
     cells: int
     def albedo(self, *, theta_i: float, phi_i: float = 0.0, component: str = "reflection") -> float: ...
 
+@final
+class Compact(Bsdf):
+    components: list[tuple[str, str]]
+    report: dict[str, Any]
+    bytes_per_channel: dict[tuple[str, str], int]
+    def parts(self) -> list[dict[str, Any]]: ...
+
+def to_compact(
+    bsdf: Bsdf,
+    *,
+    channels: Sequence[str] | None = None,
+    components: Sequence[tuple[str, str]] | None = None,
+    target: float | None = None,
+    max_bytes: int | None = None,
+    bits: int | None = None,
+) -> Compact: ...
+def compact_of(
+    channels: Sequence[str], parts: Sequence[Mapping[str, Any]], *, energy_conserving: bool
+) -> Compact: ...
+def side_by_side(models: Sequence[Bsdf]) -> Bsdf: ...
+def compare_models(
+    a: Bsdf,
+    b: Bsdf,
+    *,
+    theta_i: float,
+    phi_i: float = 0.0,
+    component: str = "reflection",
+    channel_a: str | None = None,
+    channel_b: str | None = None,
+) -> dict[str, float]: ...
 def read_radiance_xml(path: str | PathLike[str], *, channel: str = "photopic") -> Klems | TensorTree: ...
 def radiance_xml_channels(path: str | PathLike[str]) -> list[str]: ...
 def to_klems(

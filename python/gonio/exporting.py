@@ -18,6 +18,7 @@ from gonio.building import build
 from gonio.checking import MeasurementOrPath, loaded
 from gonio.files import check_directory, replacing_directory, replacing_file
 from gonio.measurement import Measurement
+from gonio.model_files import read_bsdf
 from gonio.model_writers import MODEL_WRITERS, Target
 from gonio.readings import PathLike
 from gonio.working import Progress, interruptible, silent
@@ -83,7 +84,8 @@ def export(
     Parameters
     ----------
     source
-        A measurement, the directory of a saved one, or (for the formats that hold one) any model.
+        A measurement, the directory of a saved one, or (for the formats that hold one) any model or a file
+        that `gonio.read_bsdf` reads.
     to
         radiance-klems and radiance-ttree (BSDF XML; of a measurement the data-driven model), rgl-bsdf
         (reflection, for `measured` of Mitsuba 3), merl (isotropic reflection in red, green and blue),
@@ -137,6 +139,8 @@ def export(
     if to not in FORMATS:
         raise DomainError(f"to: found {to!r}, allowed {', '.join(FORMATS)}")
     target_path = Path(out)
+    if not isinstance(source, (Bsdf, Measurement)) and Path(source).is_file():
+        source = read_bsdf(source, channel=channel)
     if to in MODEL_FORMATS:
         sample = None if isinstance(source, Bsdf) else loaded(source)
         model = (

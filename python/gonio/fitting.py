@@ -13,11 +13,12 @@ import numpy as np
 from gonio import _native
 from gonio._native import DomainError, FitError, FormatError
 from gonio.checking import MeasurementOrPath
+from gonio.compact_files import COMPACT_FORMAT
 from gonio.fit_parameters import FitModel, FitParameter
 from gonio.fit_results import Fit, FitWarning, Ranking, fit_of
 from gonio.measurement import Measurement
 from gonio.measurement_header import JSON_NAME
-from gonio.model_files import is_zemax
+from gonio.model_files import RGL_FORMAT, is_zemax, model_format
 from gonio.provenance import input_file, provenance
 from gonio.tabulating import U_FLOOR, U_RELATIVE, tabulate
 from gonio.working import Progress, interruptible, silent
@@ -81,8 +82,8 @@ def fit(
     Parameters
     ----------
     measurement
-        Processed readings, the directory they are saved in, or a file of a measured material (RGL `.bsdf`),
-        which is tabulated at the incidences it was measured at.
+        Processed readings, the directory they are saved in, or a file of a model: a measured material (RGL
+        `.bsdf`), which is tabulated at the incidences it was measured at, or a compact one.
     model
         A name of `fit_models`, a sum such as `lambert+ward-gmd+ward-gmd`, or auto: all models that suit the
         data are fitted and ranked by the error at incidences left out in turn, near ties by AICc; one whose
@@ -259,7 +260,7 @@ def fit_input(
             f"{path}: found readings (Zemax tabular BSDF), needed a processed measurement: run gonio process "
             f"{path.name} -o out, then gonio fit out"
         )
-    if path.is_file() and _native.is_tensor_file(path):
+    if path.is_file() and model_format(path) in (RGL_FORMAT, COMPACT_FORMAT):
         known = {"u_relative": U_RELATIVE, "u_floor": U_FLOOR} | dict(stated or {})
         sample = tabulate(path, channels=channels, u_relative=known["u_relative"], u_floor=known["u_floor"])
         return sample, [input_file(path, role="measurement")]

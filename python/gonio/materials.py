@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from gonio import _native
 from gonio._native import Bsdf, DomainError
+from gonio.comparing import scatters
+from gonio.model_files import read_bsdf
 from gonio.radiance_materials import material_of_text
+from gonio.readings import PathLike
 
 Component = Literal["reflection", "transmission"]
 
@@ -159,6 +163,34 @@ def material(name: str) -> Material:
     if make is None:
         raise DomainError(f"material: found {name!r}, allowed {', '.join(MATERIALS)}")
     return make()
+
+
+def material_of_file(path: PathLike) -> Material:
+    """Material whose scattering is that of a file of a model.
+
+    Its components are those into which light from the front goes, its incidences those of the named
+    materials.
+
+    Raises
+    ------
+    DomainError
+        Light from the front goes nowhere.
+    FormatError, OSError
+        The file cannot be read.
+    """
+    model = read_bsdf(path)
+    names: tuple[Component, Component] = ("reflection", "transmission")
+    components = tuple(c for c in names if scatters(model, "front", c))
+    if not components:
+        raise DomainError(f"{path}: found no light scattered from the front, allowed models that do")
+    isotropic = model.properties["isotropic"]
+    return Material(
+        Path(path).stem,
+        f"model of {Path(path).name}",
+        model,
+        components,
+        _ISOTROPIC if isotropic else _ANISOTROPIC,
+    )
 
 
 def radiance(text: str, *, release: str = "6.1", ignore_modifier: bool = False) -> Bsdf:

@@ -1,4 +1,4 @@
-"""Files of models: Radiance BSDF XML, RGL materials and MERL binaries, read or summed up."""
+"""Files of models: Radiance BSDF XML, RGL materials, MERL binaries and compact models, read or summed up."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from gonio import _native
-from gonio._native import Bsdf, FormatError, QuantityError, Rgl
+from gonio._native import Bsdf, Compact, FormatError, QuantityError, Rgl
+from gonio.compact_files import COMPACT_FORMAT, MAGIC, compact_header, read_compact
 from gonio.readings import PathLike
 from gonio.working import interruptible
 
@@ -26,11 +27,12 @@ _PHI = np.arange(0.0, 360.0, 15.0)
 class ComponentSummary:
     """One channel and component of a model.
 
-    `representation` is klems, tensor-tree, rgl or merl; `resolution` the angle basis of the patches
+    `representation` is klems, tensor-tree, rgl, merl or compact; `resolution` the angle basis of the patches
     (incident, exit), the rank and the number of cells of all components, the incidences and the nodes of a
-    table, or the cells in theta_h, theta_d and phi_d. The directional albedo is the least and the largest
-    over all incident patches, for a tensor tree over incidences of 0 to 85 degrees from the normal of the lit
-    side, for an RGL material over those measured, for a MERL binary over 0 to 75 degrees.
+    table, the cells in theta_h, theta_d and phi_d, or symmetry, nodes and bits of a compact table. The
+    directional albedo is the least and the largest over all incident patches, for a tensor tree over
+    incidences of 0 to 85 degrees from the normal of the lit side, for an RGL material over those measured,
+    for a MERL binary and a compact model over 0 to 75 degrees.
     """
 
     channel: str
@@ -66,6 +68,8 @@ def model_format(path: Path) -> str | None:
         return MERL_FORMAT
     with path.open("rb") as file:
         start = file.read(512)
+    if start.startswith(MAGIC):
+        return COMPACT_FORMAT
     xml = (b"<?xml", b"<WindowElement", b"<!--")
     return XML_FORMAT if start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(xml) else None
 
@@ -88,13 +92,14 @@ def _require_model(path: Path) -> None:
 
 
 def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
-    """Read a model from a file: Radiance or WINDOW BSDF XML, a material of the RGL or the MERL database.
+    """Read a model from a file: Radiance or WINDOW BSDF XML, RGL, MERL, or gonio's compact model.
 
     Parameters
     ----------
     path
         The file; its content tells the format. An RGL material (tensor file, .bsdf) becomes an `Rgl` model
-        with the channels red, green and blue, or one a wavelength; a MERL binary has red, green and blue.
+        with the channels red, green and blue, or one a wavelength; a MERL binary has red, green and blue. A
+        compact model (netCDF 3, .nc) has those it was made with.
     channel
         Of an XML, which holds one model a channel, the channel to read: photopic is the file's Visible, solar
         its Solar, 550nm a wavelength; None is photopic. The others keep all their channels; one that they do
@@ -115,6 +120,8 @@ def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
         return _rgl_with(file, channel)
     if found == MERL_FORMAT:
         return _merl_with(file, channel)[0]
+    if found == COMPACT_FORMAT:
+        return _compact_with(file, channel)
     _require_model(file)
     return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or "photopic"))
 
@@ -126,6 +133,12 @@ def _check_channel(model: Bsdf, channel: str | None) -> None:
 
 def _rgl_with(path: Path, channel: str | None) -> Rgl:
     model = interruptible(lambda: _native.read_rgl(path))
+    _check_channel(model, channel)
+    return model
+
+
+def _compact_with(path: Path, channel: str | None) -> Compact:
+    model = read_compact(path)
     _check_channel(model, channel)
     return model
 
@@ -149,6 +162,8 @@ def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
         return _merl(path, channel)
     if found == RGL_FORMAT:
         return _rgl(_rgl_with(path, channel), [channel] if channel else None)
+    if found == COMPACT_FORMAT:
+        return _compact(path, channel)
     _require_model(path)
     # A file without any channel is refused by the reader, which says why.
     channels = [channel] if channel else _native.radiance_xml_channels(path) or ["photopic"]
@@ -216,6 +231,47 @@ def _merl(path: Path, channel: str | None) -> ModelSummary:
         )
     notes = [f"{100 * empty:.2g} % of the cells hold no value"] if empty else []
     return ModelSummary(name="", manufacturer="", components=components, notes=notes)
+
+
+def _compact(path: Path, channel: str | None) -> ModelSummary:
+    model = _compact_with(path, channel)
+    header = compact_header(path)
+    isotropic = model.properties["isotropic"]
+    components = []
+    for part in model.parts():
+        side, component = part["side"], part["component"]
+        shape = " x ".join(str(n) for n in part["codes"].shape[1:] if n > 1)
+        lobes = ", ".join(lobe["model"] for lobe in part["base"])
+        for name in [channel] if channel else model.channels:
+            albedo = [
+                _native.compare_models(
+                    model,
+                    model,
+                    theta_i=t if side == "front" else 180.0 - t,
+                    phi_i=p,
+                    component=component,
+                    channel_a=name,
+                    channel_b=name,
+                )["albedo_a"]
+                for t in np.arange(0.0, 76.0, 15.0).tolist()
+                for p in ([0.0] if isotropic else [0.0, 45.0, 90.0, 135.0])
+            ]
+            components.append(
+                ComponentSummary(
+                    channel=name,
+                    side=side,
+                    component=component,
+                    representation="compact",
+                    resolution=f"{part['symmetry']}, {shape} x {8 * part['codes'].itemsize} bit on {lobes}",
+                    albedo_min=min(albedo),
+                    albedo_max=max(albedo),
+                )
+            )
+    notes = [
+        f"{side} {component}: {100 * max(errors):.2g} % relative L1 from the model it was made of"
+        for (side, component), errors in header["error"].items()
+    ]
+    return ModelSummary(name=header["name"], manufacturer="", components=components, notes=notes)
 
 
 def _component(

@@ -11,8 +11,9 @@ from pathlib import Path
 from gonio import _native
 from gonio._native import DomainError, Scan
 from gonio.files import replacing_directory
-from gonio.materials import Component, Material
+from gonio.materials import MATERIALS, Component, Material, material_of_file
 from gonio.materials import material as named_material
+from gonio.readings import PathLike
 from gonio.working import interruptible
 
 NOTEBOOK = "campaign.json"
@@ -67,7 +68,7 @@ class Campaign:
 
 def simulate(
     *,
-    material: str | Material = "plastic",
+    material: PathLike | Material = "plastic",
     seed: int = 1,
     incidences: Sequence[tuple[float, float]] | None = None,
     components: Sequence[Component] | None = None,
@@ -85,7 +86,8 @@ def simulate(
     Parameters
     ----------
     material
-        Name of a material (`gonio.materials.MATERIALS`) or a `Material`.
+        Name of a material (`gonio.materials.MATERIALS`), a file of a model that `gonio.read_bsdf` reads, or a
+        `Material`.
     seed
         Seed of path, noise and drift, 0 to 2**64 - 1; the same seed gives the same files.
     incidences
@@ -115,7 +117,7 @@ def simulate(
     """
     if not 0 <= seed < 2**64:
         raise DomainError(f"seed: found {seed}, allowed 0 to 2**64 - 1")
-    target = named_material(material) if isinstance(material, str) else material
+    target = material if isinstance(material, Material) else _named(material)
     angles = [(float(t), float(p)) for t, p in (target.incidences if incidences is None else incidences)]
     hemispheres = list(target.components if components is None else components)
     settings = {name: float(value) for name, value in (instrument or {}).items()}
@@ -156,6 +158,13 @@ def simulate(
         dark=(directory / "dark.txt",),
         readings=sum(len(r) for r in records if r.kind == "sample"),
     )
+
+
+def _named(material: PathLike) -> Material:
+    """The material of that name, or of the model in that file."""
+    if str(material) not in MATERIALS and Path(material).is_file():
+        return material_of_file(material)
+    return named_material(str(material))
 
 
 def _file_name(record: Scan) -> str:

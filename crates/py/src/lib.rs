@@ -5,6 +5,7 @@ mod arrays;
 mod batch;
 mod bsdf;
 mod checking;
+mod compact;
 mod errors;
 mod files;
 mod fit;
@@ -37,6 +38,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     fit::register(m)?;
     processing::register(m)?;
     checking::register(m)?;
+    compact::register(m)?;
     radiance::register(m)?;
     radiance_material::register(m)?;
     rgl::register(m)?;

@@ -33,7 +33,7 @@ pub(crate) struct TensorTree {
     material: Py<PyDict>,
 }
 
-fn side_of(name: &str) -> PyResult<Side> {
+pub(crate) fn side_of(name: &str) -> PyResult<Side> {
     match name {
         "front" => Ok(Side::Front),
         "back" => Ok(Side::Back),
@@ -53,13 +53,13 @@ pub(crate) fn component_of(name: &str) -> PyResult<Component> {
     }
 }
 
-type Names = Vec<(String, String)>;
+pub(crate) type Names = Vec<(String, String)>;
 
-fn names(keys: impl Iterator<Item = (Side, Component)>) -> Names {
+pub(crate) fn names(keys: impl Iterator<Item = (Side, Component)>) -> Names {
     keys.map(|(s, c)| (s.to_string(), c.to_string())).collect()
 }
 
-fn components(asked: Option<Names>) -> PyResult<Option<Vec<(Side, Component)>>> {
+pub(crate) fn components(asked: Option<Names>) -> PyResult<Option<Vec<(Side, Component)>>> {
     asked
         .map(|list| {
             list.iter()

@@ -11,12 +11,14 @@ import gonio
 from gonio.cli.build import build
 from gonio.cli.check import check
 from gonio.cli.colour import colour
+from gonio.cli.compare import compare
 from gonio.cli.demo import demo
 from gonio.cli.export import export
 from gonio.cli.fit import fit
 from gonio.cli.inspect import inspect
 from gonio.cli.models import models
 from gonio.cli.process import process
+from gonio.cli.reduce import reduce
 from gonio.cli.report import report
 from gonio.cli.roughness import roughness
 from gonio.cli.running import EXIT_ERROR, EXIT_INTERRUPTED, err, guarded, verb
@@ -51,7 +53,9 @@ for function in (
     process,
     check,
     build,
+    reduce,
     fit,
+    compare,
     export,
     report,
     simulate,

@@ -9,7 +9,9 @@ import typer
 
 import gonio
 from gonio.building import CANDIDATES
+from gonio.cli.reduce import Bits, MaxBytes, Name, Target, show
 from gonio.cli.running import Json, out, print_json, progress_bar, warn
+from gonio.files import check_file
 
 Channel = Annotated[
     str | None,
@@ -37,12 +39,22 @@ def build(
     symmetry: Symmetry = "auto",
     smooth: Smooth = True,
     candidate: Candidate = None,
+    target_file: Annotated[
+        Path | None, typer.Option("-o", "--out", help="File of the compact model of it (.nc).")
+    ] = None,
+    target: Target = 0.005,
+    max_bytes: MaxBytes = None,
+    bits: Bits = None,
+    name: Name = None,
     json: Json = False,
 ) -> None:
     """Build a data-driven model and show how well it predicts incidences it was not given.
 
-    Nothing is written: gonio export --to radiance-… builds the same model and writes it as a file.
+    With -o its compact model is written, and what that loses against the full one is shown; gonio export
+    writes the model for other programs. Without either nothing is written.
     """
+    if target_file is not None:
+        check_file(target_file)
     with progress_bar(hidden=json) as progress:
         model = gonio.build(
             measurement,
@@ -52,6 +64,18 @@ def build(
             candidate=candidate,
             progress=progress,
         )
+        reduction = None
+        if target_file is not None:
+            title = name if name is not None else gonio.Measurement.load(measurement).sample_name
+            reduction = gonio.reduce(
+                model,
+                out=target_file,
+                target=target,
+                max_bytes=max_bytes,
+                bits=bits,
+                name=title,
+                progress=progress,
+            )
     warn(model.warnings)
     if json:
         print_json(
@@ -62,6 +86,7 @@ def build(
                 "loo": model.loo,
                 "summary": model.summary,
                 "warnings": model.warnings,
+                "reduction": None if reduction is None else reduction.to_dict(),
             }
         )
         return
@@ -75,3 +100,5 @@ def build(
             f"  {row['component']} at theta_i {row['theta_i']:.4g}, phi_i {row['phi_i']:.4g} "
             f"predicted from the others: {100 * row['rel_rms']:.2f} % rms"
         )
+    if reduction is not None:
+        show(reduction)

@@ -9,11 +9,14 @@ import typer
 
 import gonio
 from gonio.cli.build import Candidate, Channel, Smooth, Symmetry
+from gonio.cli.component import Components, components_of
 from gonio.cli.running import Force, Json, out, print_json, progress_bar, warn
 
 
 def export(
-    measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
+    measurement: Annotated[
+        Path, typer.Argument(help="Directory written by gonio process, or a file of a model.")
+    ],
     to: Annotated[
         str,
         typer.Option(
@@ -27,12 +30,7 @@ def export(
     symmetry: Symmetry = "auto",
     smooth: Smooth = True,
     candidate: Candidate = None,
-    component: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="SIDE-COMPONENT", help="Such as front-reflection; repeat it. Without it all that scatter."
-        ),
-    ] = None,
+    component: Components = None,
     basis: Annotated[str, typer.Option(help="Klems patches: full, half or quarter.")] = "full",
     cap_albedo: Annotated[
         bool, typer.Option("--cap-albedo", help="Scale Klems patches of albedo above 1 to 1.")
@@ -58,7 +56,8 @@ def export(
     """Write a measurement, or the model built from it, in the format of another program.
 
     The radiance formats, rgl-bsdf, merl and zemax-bsdf build the model of gonio build first, which takes at
-    least two incidences; csv, parquet, netcdf, bird-json and mountain hold the readings.
+    least two incidences, and take a model from a file as well; csv, parquet, netcdf, bird-json and mountain
+    hold the readings.
     """
     with progress_bar(hidden=json) as progress:
         written = gonio.export(
@@ -69,7 +68,7 @@ def export(
             symmetry=symmetry,
             smooth=smooth,
             candidate=candidate,
-            components=[_component(text) for text in component] if component else None,
+            components=components_of(component),
             basis=basis,
             cap_albedo=cap_albedo,
             rank=rank,
@@ -100,13 +99,6 @@ def export(
     capped = written.report.get("capped")
     if capped:
         out.print(f"  {len(capped)} incident patches scaled down to albedo 1")
-
-
-def _component(text: str) -> tuple[str, str]:
-    side, separator, component = text.partition("-")
-    if not separator:
-        raise typer.BadParameter(f"found {text!r}, allowed SIDE-COMPONENT", param_hint="--component")
-    return side, component
 
 
 def _texts(value: object) -> object:

@@ -29,7 +29,7 @@ COMPONENTS: dict[Hemisphere, Literal["reflection", "transmission"]] = {
 
 def simulate(
     to: Annotated[Path, typer.Option("-o", "--out", help="Directory of the raw files.")],
-    material: Annotated[str, typer.Option(help=f"{', '.join(MATERIALS)}.")] = "plastic",
+    material: Annotated[str, typer.Option(help=f"{', '.join(MATERIALS)}, or a file of a model.")] = "plastic",
     seed: Annotated[int, typer.Option(help="Seed of path, noise and drift.")] = 1,
     incidence: Annotated[
         list[str] | None,

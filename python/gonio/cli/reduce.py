@@ -1,0 +1,83 @@
+"""`gonio reduce`: any model as gonio's compact one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import gonio
+from gonio.cli.component import Components, components_of
+from gonio.cli.running import Json, out, print_json, progress_bar, warn
+from gonio.comparing import summarised
+from gonio.reducing import Reduction
+
+Target = Annotated[
+    float, typer.Option("--target", help="Relative L1 error at which the table is fine enough, such as 0.01.")
+]
+MaxBytes = Annotated[
+    int | None,
+    typer.Option(
+        "--max-bytes",
+        help="Most bytes of the table of one channel and component. Without it 14000 (isotropic) or 380000.",
+    ),
+]
+Bits = Annotated[
+    int | None, typer.Option("--bits", help="Bits of a value: 8 or 16. Without it what it takes.")
+]
+Name = Annotated[str | None, typer.Option("--name", help="Name of the material. Without it the sample's.")]
+
+
+def reduce(
+    model: Annotated[
+        Path,
+        typer.Argument(help="File of a model (BSDF XML, RGL, MERL, compact) or directory of gonio process."),
+    ],
+    target_file: Annotated[Path, typer.Option("-o", "--out", help="File of the compact model (.nc).")],
+    channel: Annotated[
+        list[str] | None, typer.Option("--channel", help="Channel to keep; repeat it. Without it all.")
+    ] = None,
+    component: Components = None,
+    target: Target = 0.005,
+    max_bytes: MaxBytes = None,
+    bits: Bits = None,
+    name: Name = None,
+    json: Json = False,
+) -> None:
+    """Write any model as gonio's compact one and show what that loses: a few kilobytes, fast to evaluate."""
+    with progress_bar(hidden=json) as progress:
+        reduction = gonio.reduce(
+            model,
+            out=target_file,
+            channels=channel or None,
+            components=components_of(component),
+            target=target,
+            max_bytes=max_bytes,
+            bits=bits,
+            name=name,
+            progress=progress,
+        )
+    warn(reduction.warnings + reduction.loss.warnings)
+    if json:
+        print_json(reduction.to_dict())
+        return
+    show(reduction)
+
+
+def show(reduction: Reduction) -> None:
+    """Print file, size and loss."""
+    if reduction.out is not None:
+        out.print(f"{reduction.out}: {reduction.bytes} bytes")
+    for (side, component), size in reduction.model.bytes_per_channel.items():
+        rows = [r for r in reduction.loss.rows if (r.side, r.component) == (side, component)]
+        loss = summarised(rows)
+        quantity = "DHR" if component == "reflection" else "DHT"
+        peak = 100 * (loss["peak_ratio"] - 1)
+        out.print(
+            f"  {side} {component}: table of {size} bytes a channel; from the full model "
+            f"{100 * loss['rel_l1']:.2f} % relative L1 (largest {100 * loss['rel_l1_max']:.2f} %), "
+            f"{quantity} by at most {loss['dhr_difference']:+.4f}, peak by {peak:+.1f} %, "
+            f"reciprocity {100 * loss['reciprocity_b']:.2f} % (full {100 * loss['reciprocity_a']:.2f} %)"
+        )
+    out.print(f"  largest directional albedo {reduction.model.report['max_albedo']:.4f}")

@@ -1,0 +1,262 @@
+"""Files of gonio's compact model: netCDF 3, docs/formats/gonio-compact.md."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gonio import _native
+from gonio._native import Compact, DomainError, FormatError
+from gonio.files import check_file, replacing_file
+from gonio.readings import PathLike
+
+COMPACT_FORMAT = "gonio-compact"
+VERSION = 1
+MAGIC = (b"CDF\x01", b"CDF\x02")
+"""First bytes of netCDF 3 files: classic and 64-bit offset."""
+
+SIDES = ("front", "back")
+COMPONENTS = ("reflection", "transmission")
+_AXES = ("theta_i", "phi_i", "u", "phi_h")
+_LOG = "natural logarithm of the ratio of the BSDF to its base: offset + step * code"
+
+Array = NDArray[Any]
+
+
+def write_compact(
+    path: PathLike, model: Compact, *, name: str = "", provenance: Mapping[str, Any] | None = None
+) -> None:
+    """Write a compact model, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        The file.
+    model
+        What `gonio.reduce` made, or a file of it holds.
+    name
+        Name of the material.
+    provenance
+        Where the model comes from; kept as JSON.
+
+    Raises
+    ------
+    OSError
+        The operating system refuses; nothing is left behind.
+    """
+    check_file(path)
+    content = _content(model, name=name, provenance=dict(provenance or {}))
+    with replacing_file(path) as staged:
+        staged.write_bytes(content)
+
+
+def read_compact(path: PathLike) -> Compact:
+    """Read a compact model.
+
+    Raises
+    ------
+    FormatError
+        The file is no compact model, is damaged, or was written in a newer version of the format.
+    OSError
+        The operating system refuses.
+    """
+    return _model(Path(path), _opened(Path(path)))
+
+
+def compact_header(path: PathLike) -> dict[str, Any]:
+    """Name and provenance of a compact model's file, and the errors that its maker found.
+
+    Returns
+    -------
+    dict
+        name, gonio (version that wrote it), provenance, error: (side, component) to relative L1 error of each
+        channel.
+
+    Raises
+    ------
+    FormatError, OSError
+        As `read_compact`.
+    """
+    attributes, variables = _opened(Path(path))
+    errors = {}
+    for side in SIDES:
+        for component in COMPONENTS:
+            found = variables.get(f"{side}_{component}")
+            if found is not None and "error" in found[2]:
+                errors[side, component] = np.atleast_1d(found[2]["error"]).tolist()
+    return {
+        "name": attributes.get("name", ""),
+        "gonio": attributes.get("gonio", ""),
+        "provenance": json.loads(attributes.get("provenance", "{}")),
+        "error": errors,
+    }
+
+
+def _content(model: Compact, *, name: str, provenance: dict[str, Any]) -> bytes:
+    from scipy.io import netcdf_file  # noqa: PLC0415  (a tenth of a second that most verbs do not need)
+
+    errors = model.report.get("error", {})
+    attributes: dict[str, Any] = {
+        "title": f"compact BSDF model of {name or 'an unnamed material'}",
+        "Conventions": "CF-1.11",
+        "format": COMPACT_FORMAT,
+        "format_version": np.int32(VERSION),
+        "gonio": _native.__version__,
+        "name": name,
+        "channels": " ".join(model.channels),
+        "energy_conserving": np.int32(model.properties["energy_conserving"]),
+        "provenance": json.dumps(provenance, default=str),
+    }
+    variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]] = {}
+    for part in model.parts():
+        key = f"{part['side']}_{part['component']}"
+        axes = tuple(f"{key}_{axis}" for axis in _AXES)
+        about: dict[str, Any] = {
+            "long_name": _LOG,
+            "units": "1",
+            "symmetry": part["symmetry"],
+            "width": np.array(part["width"], dtype=np.float64),
+            "phi_x": np.float64(part["phi_x"]),
+            "base": json.dumps(part["base"]),
+        }
+        if (part["side"], part["component"]) in errors:
+            about["error"] = np.array(errors[part["side"], part["component"]], dtype=np.float64)
+        variables[key] = (("channel", *axes), part["codes"], about)
+        for word in ("offset", "step"):
+            variables[f"{key}_{word}"] = (("channel", axes[0]), part[word], {"units": "1"})
+        variables[axes[0]] = (
+            (axes[0],),
+            part["theta_i"],
+            {"units": "degree", "long_name": "polar angle of incidence from the normal of its side"},
+        )
+    attributes["checksum"] = _checksum(attributes, variables)
+    buffer = io.BytesIO()
+    file = netcdf_file(buffer, "w", version=2)
+    for key, value in attributes.items():
+        setattr(file, key, value)
+    for dims, values, _ in variables.values():
+        for dim, length in zip(dims, values.shape, strict=True):
+            if dim not in file.dimensions:
+                file.createDimension(dim, length)
+    for key, (dims, values, about) in variables.items():
+        variable = file.createVariable(key, values.dtype, dims)
+        variable[:] = values
+        for word, value in about.items():
+            setattr(variable, word, value)
+    file.flush()
+    return buffer.getvalue()
+
+
+Opened = tuple[dict[str, Any], dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]]]
+"""Attributes of the file, and for each variable its dimensions, values and attributes."""
+
+
+def _opened(path: Path) -> Opened:
+    """Attributes and variables of a file whose checksum holds."""
+    from scipy.io import netcdf_file  # noqa: PLC0415
+
+    content = path.read_bytes()
+    if not content.startswith(MAGIC):
+        raise FormatError(f"{path}: found no netCDF 3 file, allowed {COMPACT_FORMAT}")
+    try:
+        with netcdf_file(io.BytesIO(content), "r", mmap=False) as file:
+            attributes = {key: _plain(value) for key, value in file._attributes.items()}
+            variables = {
+                key: (
+                    tuple(variable.dimensions),
+                    np.array(variable[:], dtype=variable[:].dtype.newbyteorder("=")),
+                    {word: _plain(value) for word, value in variable._attributes.items()},
+                )
+                for key, variable in file.variables.items()
+            }
+    except Exception as error:
+        # What scipy raises on a file that was cut or overwritten depends on where.
+        raise FormatError(f"{path}: found a damaged netCDF file ({error}), allowed a whole one") from error
+    if attributes.get("format") != COMPACT_FORMAT:
+        found = attributes.get("format", "none")
+        raise FormatError(f"{path}: format: found {found}, allowed {COMPACT_FORMAT}")
+    version = attributes.get("format_version")
+    if not isinstance(version, int) or version < 1:
+        raise FormatError(f"{path}: format_version: found {version}, allowed 1 to {VERSION}")
+    if version > VERSION:
+        raise FormatError(
+            f"{path}: format_version: found {version}, allowed 1 to {VERSION}: a newer gonio wrote it "
+            f"({attributes.get('gonio', 'version not stated')}), update gonio to read it"
+        )
+    stated = attributes.pop("checksum", None)
+    if stated != _checksum(attributes, variables):
+        raise FormatError(f"{path}: checksum: the file is damaged or was changed; write it anew")
+    return attributes, variables
+
+
+def _model(path: Path, opened: Opened) -> Compact:
+    attributes, variables = opened
+    parts = []
+    for side in SIDES:
+        for component in COMPONENTS:
+            key = f"{side}_{component}"
+            if key not in variables:
+                continue
+            try:
+                _, codes, about = variables[key]
+                parts.append(
+                    {
+                        "side": side,
+                        "component": component,
+                        "symmetry": about["symmetry"],
+                        "width": np.asarray(about["width"], dtype=np.float64).tolist(),
+                        "phi_x": float(about["phi_x"]),
+                        "base": json.loads(about["base"]),
+                        "codes": codes,
+                        "offset": variables[f"{key}_offset"][1],
+                        "step": variables[f"{key}_step"][1],
+                    }
+                )
+            except KeyError as error:
+                raise FormatError(f"{path}: {key}: found no {error.args[0]}, needed for its table") from error
+            except (TypeError, ValueError) as error:
+                raise FormatError(f"{path}: {key}: {error}") from error
+    try:
+        return _native.compact_of(
+            attributes["channels"].split(), parts, energy_conserving=bool(attributes["energy_conserving"])
+        )
+    except KeyError as error:
+        raise FormatError(f"{path}: found no {error.args[0]}") from error
+    except (DomainError, TypeError, ValueError) as error:
+        raise FormatError(f"{path}: {error}") from error
+
+
+def _plain(value: Any) -> Any:
+    """Text as str, single numbers as Python's, arrays in the byte order of the machine."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8")
+    array = np.asarray(value)
+    if array.size == 1:
+        return array.reshape(()).item()
+    return array.astype(array.dtype.newbyteorder("="))
+
+
+def _checksum(
+    attributes: Mapping[str, Any], variables: Mapping[str, tuple[tuple[str, ...], Array, dict[str, Any]]]
+) -> str:
+    """SHA-256 of attributes and variables, whatever their order and byte order in the file."""
+    digest = hashlib.sha256()
+
+    def add(owner: str, words: Mapping[str, Any]) -> None:
+        for word in sorted(words):
+            digest.update(f"{owner}:{word}={np.asarray(words[word]).ravel().tolist()!r}\n".encode())
+
+    add("", attributes)
+    for key in sorted(variables):
+        dims, values, about = variables[key]
+        digest.update(f"{key} {dims} {values.dtype.kind}{values.dtype.itemsize} {values.shape}\n".encode())
+        digest.update(values.astype(values.dtype.newbyteorder("<")).tobytes())
+        add(key, about)
+    return f"sha256:{digest.hexdigest()}"
