@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,14 @@ _AXES = ("theta_i", "phi_i", "u", "phi_h")
 _LOG = "natural logarithm of the ratio of the BSDF to its base: offset + step * code"
 
 Array = NDArray[Any]
+Variable = tuple[tuple[str, ...], Array, dict[str, Any]]
+"""Dimensions, values and attributes."""
+Opened = tuple[dict[str, Any], dict[str, Variable]]
+"""Attributes and variables of a file."""
+
+_NO_DIGEST = b"0" * 64
+# netCDF 3 has type and length, four bytes each, between name and text of an attribute
+_CHECKSUM = re.compile(rb"checksum.{8}sha256:([0-9a-f]{64})", re.DOTALL)
 
 
 def write_compact(
@@ -100,8 +109,6 @@ def compact_header(path: PathLike) -> dict[str, Any]:
 
 
 def _content(model: Compact, *, name: str, provenance: dict[str, Any]) -> bytes:
-    from scipy.io import netcdf_file  # noqa: PLC0415  (a tenth of a second that most verbs do not need)
-
     errors = model.report.get("error", {})
     attributes: dict[str, Any] = {
         "title": f"compact BSDF model of {name or 'an unnamed material'}",
@@ -114,7 +121,7 @@ def _content(model: Compact, *, name: str, provenance: dict[str, Any]) -> bytes:
         "energy_conserving": np.int32(model.properties["energy_conserving"]),
         "provenance": json.dumps(provenance, default=str),
     }
-    variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]] = {}
+    variables: dict[str, Variable] = {}
     for part in model.parts():
         key = f"{part['side']}_{part['component']}"
         axes = tuple(f"{key}_{axis}" for axis in _AXES)
@@ -136,10 +143,16 @@ def _content(model: Compact, *, name: str, provenance: dict[str, Any]) -> bytes:
             part["theta_i"],
             {"units": "degree", "long_name": "polar angle of incidence from the normal of its side"},
         )
-    attributes["checksum"] = _checksum(attributes, variables)
+    return _signed(attributes, variables)
+
+
+def _signed(attributes: Mapping[str, Any], variables: Mapping[str, Variable]) -> bytes:
+    """The bytes of a file with these attributes and variables and its checksum."""
+    from scipy.io import netcdf_file  # noqa: PLC0415  (a tenth of a second that most verbs do not need)
+
     buffer = io.BytesIO()
     file = netcdf_file(buffer, "w", version=2)
-    for key, value in attributes.items():
+    for key, value in {**attributes, "checksum": f"sha256:{_NO_DIGEST.decode()}"}.items():
         setattr(file, key, value)
     for dims, values, _ in variables.values():
         for dim, length in zip(dims, values.shape, strict=True):
@@ -151,15 +164,20 @@ def _content(model: Compact, *, name: str, provenance: dict[str, Any]) -> bytes:
         for word, value in about.items():
             setattr(variable, word, value)
     file.flush()
-    return buffer.getvalue()
+    content = buffer.getvalue()
+    found = _CHECKSUM.search(content)
+    assert found is not None
+    at = slice(*found.span(1))
+    return content[: at.start] + _digest(content, at) + content[at.stop :]
 
 
-Opened = tuple[dict[str, Any], dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]]]
-"""Attributes of the file, and for each variable its dimensions, values and attributes."""
+def _digest(content: bytes, at: slice) -> bytes:
+    """SHA-256 of the file with zeros in place of the digest itself, in hexadecimal."""
+    return hashlib.sha256(content[: at.start] + _NO_DIGEST + content[at.stop :]).hexdigest().encode()
 
 
 def _opened(path: Path) -> Opened:
-    """Attributes and variables of a file whose checksum holds."""
+    """Attributes and variables of a whole file of this format and version."""
     from scipy.io import netcdf_file  # noqa: PLC0415
 
     content = path.read_bytes()
@@ -190,9 +208,10 @@ def _opened(path: Path) -> Opened:
             f"{path}: format_version: found {version}, allowed 1 to {VERSION}: a newer gonio wrote it "
             f"({attributes.get('gonio', 'version not stated')}), update gonio to read it"
         )
-    stated = attributes.pop("checksum", None)
-    if stated != _checksum(attributes, variables):
+    stated = _CHECKSUM.search(content)
+    if stated is None or stated[1] != _digest(content, slice(*stated.span(1))):
         raise FormatError(f"{path}: checksum: the file is damaged or was changed; write it anew")
+    attributes.pop("checksum", None)
     return attributes, variables
 
 
@@ -241,22 +260,3 @@ def _plain(value: Any) -> Any:
     if array.size == 1:
         return array.reshape(()).item()
     return array.astype(array.dtype.newbyteorder("="))
-
-
-def _checksum(
-    attributes: Mapping[str, Any], variables: Mapping[str, tuple[tuple[str, ...], Array, dict[str, Any]]]
-) -> str:
-    """SHA-256 of attributes and variables, whatever their order and byte order in the file."""
-    digest = hashlib.sha256()
-
-    def add(owner: str, words: Mapping[str, Any]) -> None:
-        for word in sorted(words):
-            digest.update(f"{owner}:{word}={np.asarray(words[word]).ravel().tolist()!r}\n".encode())
-
-    add("", attributes)
-    for key in sorted(variables):
-        dims, values, about = variables[key]
-        digest.update(f"{key} {dims} {values.dtype.kind}{values.dtype.itemsize} {values.shape}\n".encode())
-        digest.update(values.astype(values.dtype.newbyteorder("<")).tobytes())
-        add(key, about)
-    return f"sha256:{digest.hexdigest()}"

@@ -156,8 +156,9 @@ def compare(
     """Compare two models: what `b` gets wrong when `a` is right.
 
     A measurement takes part as the data-driven model that `gonio.build` makes of it. Directions are dense
-    about the mirror and the unbent direction; lobes there narrower than about 0.5 degrees, and others narrower
-    than about 1 degree, are not resolved. Ideal parts (mirror, unbent) count as nothing; a warning says so.
+    about the mirror and the unbent direction; lobes there narrower than about 0.5 degrees, and others
+    narrower than about 1 degree, are not resolved. Ideal parts (mirror, unbent) count as nothing; a warning
+    says so.
 
     Parameters
     ----------

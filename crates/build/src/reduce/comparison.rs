@@ -78,8 +78,8 @@ pub fn compare(
         }
     }
     Ok(Comparison {
-        rel_l1: l1 / albedo[0],
-        rel_rms: (square / square_a).sqrt(),
+        rel_l1: share(l1, albedo[0]),
+        rel_rms: share(square, square_a).sqrt(),
         albedo,
         peak: peak.map(|p| p.0),
         peak_shift: if peak.iter().all(|p| p.0 > 0.0) {
@@ -87,8 +87,13 @@ pub fn compare(
         } else {
             f64::NAN
         },
-        reciprocity: [turned[0] / albedo[0], turned[1] / albedo[1]],
+        reciprocity: [0, 1].map(|k| share(turned[k], albedo[k])),
     })
+}
+
+/// `part / whole`; NaN of nothing.
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { f64::NAN }
 }
 
 /// Directional albedo by the same directions.
