@@ -153,7 +153,7 @@ def _signed(attributes: Mapping[str, Any], variables: Mapping[str, Variable]) ->
     buffer = io.BytesIO()
     file = netcdf_file(buffer, "w", version=2)
     for key, value in {**attributes, "checksum": f"sha256:{_NO_DIGEST.decode()}"}.items():
-        setattr(file, key, value)
+        setattr(file, key, _stored(value))
     for dims, values, _ in variables.values():
         for dim, length in zip(dims, values.shape, strict=True):
             if dim not in file.dimensions:
@@ -162,13 +162,18 @@ def _signed(attributes: Mapping[str, Any], variables: Mapping[str, Variable]) ->
         variable = file.createVariable(key, values.dtype, dims)
         variable[:] = values
         for word, value in about.items():
-            setattr(variable, word, value)
+            setattr(variable, word, _stored(value))
     file.flush()
     content = buffer.getvalue()
     found = _CHECKSUM.search(content)
     assert found is not None
     at = slice(*found.span(1))
     return content[: at.start] + _digest(content, at) + content[at.stop :]
+
+
+def _stored(value: Any) -> Any:
+    """Text as UTF-8: left to itself scipy writes ASCII alone."""
+    return value.encode("utf-8") if isinstance(value, str) else value
 
 
 def _digest(content: bytes, at: slice) -> bytes:

@@ -52,7 +52,8 @@ def test_what_is_read_is_what_was_written_to_the_last_bit(paint, tmp_path):
         },
     )
     made = gonio.reduce(brushed, out=tmp_path / "a.nc", components=[("front", "reflection")], target=0.03)
-    gonio.write_compact(tmp_path / "b.nc", read_compact(tmp_path / "a.nc"), name="again")
+    gonio.write_compact(tmp_path / "b.nc", read_compact(tmp_path / "a.nc"), name="Löß, gebürstet")
+    assert gonio.inspect([tmp_path / "b.nc"]).files[0].sample_name == "Löß, gebürstet"
     for name in ("a.nc", "b.nc"):
         read = gonio.read_bsdf(tmp_path / name)
         assert read.channels == ["red", "green"]
