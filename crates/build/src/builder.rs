@@ -4,16 +4,20 @@ use std::sync::Arc;
 
 use gonio_geom::{Angles, Component, DVec3, Side};
 use gonio_scan::Slice;
+use rayon::prelude::*;
 
+use crate::across::Candidate;
+use crate::base::{Base, Fitting, Picked, Recipe, recipes, with_retro};
+use crate::choice::{Contest, best};
 use crate::data_driven::{BuildOptions, PartSummary};
 use crate::error::BuildError;
 use crate::incidence::Part;
-use crate::leave_one_out::{LooError, leave_one_out};
-use crate::node::{HeldOut, Node};
+use crate::leave_one_out::{Held, LooError};
+use crate::node::{Node, Statistics};
+use crate::plane::from_plane;
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
 use crate::symmetry::{Incidence, SAME_THETA, half_measured, mirror_symmetric, polar};
-use crate::warp::Candidate;
 
 /// Fewest readings of a slice.
 const LEAST_READINGS: usize = 12;
@@ -21,6 +25,18 @@ const LEAST_READINGS: usize = 12;
 /// Readings spread less than this (root mean square, in the stereographic plane) in some direction lie in one
 /// scattering plane: about a degree.
 const LEAST_EXTENT: f64 = 0.01;
+
+/// Readings of an incidence that predictions of it are compared with.
+const HELD_READINGS: usize = 3000;
+
+/// Readings of an incidence that a base is fitted to.
+const FIT_READINGS: usize = 700;
+
+/// How many bases are tried across incidences.
+const BASES: usize = 2;
+
+/// A lobe about the incidence is kept when it brings the base closer to the readings by this factor.
+const RETRO_GAIN: f64 = 0.95;
 
 /// A part and what is to be said of it.
 pub(crate) struct Built {
@@ -37,6 +53,22 @@ struct Pile {
     surfaces: Vec<SliceSurface>,
 }
 
+impl Pile {
+    /// Some of its readings, by `importance` of BSDF and cosine.
+    fn picked(&self, most: usize, importance: impl Fn(f64, f64) -> f64) -> Picked {
+        let omega: Vec<f64> = self.surfaces.iter().flat_map(SliceSurface::solid_angles).collect();
+        let each: Vec<(usize, usize)> = (0..self.readings.len())
+            .flat_map(|r| (0..self.readings[r].len()).map(move |j| (r, j)))
+            .collect();
+        let reading = |n: usize| {
+            let (r, j) = each[n];
+            let readings = &self.readings[r];
+            (from_plane(readings.points[j]), readings.value[j], readings.sigma[j], omega[n])
+        };
+        Picked::new(each.len(), most, reading, importance)
+    }
+}
+
 /// The part of light from `side` in `component`; `None` when there is no reading of it.
 pub(crate) fn part(
     slices: &[&Slice],
@@ -46,68 +78,97 @@ pub(crate) fn part(
     options: &BuildOptions,
 ) -> Result<Option<Built>, BuildError> {
     let mut notes = Vec::new();
-    let piles = piles(slices, side, component, isotropic, options, &mut notes)?;
+    let mut piles = piles(slices, side, component, isotropic, &mut notes)?;
     if piles.is_empty() {
         return Ok(None);
     }
+    let directions: Vec<DVec3> = piles.iter().map(|p| local_incidence(p.incidence, isotropic)).collect();
+    let held: Vec<Picked> = piles
+        .par_iter()
+        .map(|p| p.picked(HELD_READINGS, |f, z| f * z))
+        .collect();
+    let fitting = {
+        let readings = piles.par_iter().map(|p| p.picked(FIT_READINGS, |f, z| (f * z).cbrt().powi(2)));
+        Fitting::new(component, directions.clone(), readings.collect())
+    };
+    let bases = bases(&fitting, component, isotropic)?;
+    let base = bases.first().map(|(_, base)| Arc::clone(base));
+    let base = base.as_ref();
+
+    piles.par_iter_mut().zip(&directions).for_each(|(pile, &i)| {
+        for (surface, readings) in pile.surfaces.iter_mut().zip(&pile.readings) {
+            surface.fill(readings, options.smooth, base.map(|b| (Arc::clone(b), i)));
+        }
+    });
     let agree: Vec<bool> = piles
-        .iter()
-        .flat_map(|p| p.surfaces.iter().filter_map(mirror_symmetric))
+        .par_iter()
+        .flat_map(|p| p.surfaces.par_iter().filter_map(mirror_symmetric))
         .collect();
     let bilateral = isotropic && !agree.is_empty() && 2 * agree.iter().filter(|a| **a).count() > agree.len();
 
     let readings = piles.iter().flat_map(|p| &p.readings).map(Readings::len).sum();
-    let mut nodes = Vec::with_capacity(piles.len());
-    let mut held_out = Vec::with_capacity(piles.len());
-    for pile in piles {
-        let held = HeldOut::new(&pile.readings, &pile.surfaces);
-        let direction = local_incidence(pile.incidence, isotropic);
-        nodes.push(Arc::new(Node::new(
-            pile.incidence,
-            direction,
-            &pile.surfaces,
-            &held,
-            bilateral,
-        )));
-        held_out.push(held);
-    }
-    if nodes.len() == 1 {
+    let all: Vec<Held> = piles
+        .iter()
+        .zip(&directions)
+        .zip(held)
+        .enumerate()
+        .map(|(group, ((pile, &direction), readings))| {
+            let statistics = Statistics::new(&pile.readings, &readings);
+            let node = Node::new(pile.incidence, direction, &pile.surfaces, base, statistics, bilateral);
+            Held {
+                node: Arc::new(node),
+                readings,
+                group,
+            }
+        })
+        .collect();
+    drop(piles);
+    if all.len() == 1 {
         notes.push(format!(
             "{side} {component}: one incidence only, every other is extrapolated from it"
         ));
     }
 
-    let folds = |candidate| leave_one_out(&nodes, &held_out, isotropic, component, candidate);
-    let all: Vec<Candidate> = options.candidate.map_or(Candidate::ALL.to_vec(), |c| vec![c]);
-    let mut tried: Vec<(Candidate, Vec<LooError>)> = all.into_iter().map(|c| (c, folds(c))).collect();
-    let score = |loo: &[LooError]| loo.iter().map(|e| e.rel_l1).sum::<f64>() / loo.len() as f64;
-    if isotropic && options.candidate.is_none() {
-        // the way over incidence matters less than the way the lobe moves: it is chosen last
-        let best = tried
-            .iter()
-            .filter(|(_, loo)| !loo.is_empty())
-            .min_by(|a, b| score(&a.1).total_cmp(&score(&b.1)));
-        if let Some((best, _)) = best {
-            let cubic = best.with_cubic();
-            tried.push((cubic, folds(cubic)));
-        }
-    }
-    let scores: Vec<(Candidate, f64)> = tried
-        .iter()
-        .filter(|(_, loo)| !loo.is_empty())
-        .map(|(c, loo)| (*c, score(loo)))
+    let contest = Contest::new(&all, isotropic, component, Some(&fitting), bases);
+    let list: Vec<Candidate> = options
+        .candidate
+        .map_or(Candidate::ALL.to_vec(), |c| vec![c])
+        .into_iter()
+        .filter(|c| !c.method.needs_base() || !contest.bases.is_empty())
         .collect();
-    let best = (0..scores.len())
-        .min_by(|&a, &b| scores[a].1.total_cmp(&scores[b].1))
-        .unwrap_or(0);
-    if scores.is_empty() && options.candidate.is_none() {
+    let within = contest.run(&list, isotropic && options.candidate.is_none(), false);
+    let beyond = contest.run(&list, false, true);
+    let Some(chosen) = within.get(best(&within)) else {
+        return Err(BuildError::NoBase {
+            side,
+            component,
+            candidate: options.candidate.map_or("", |c| c.name()),
+        });
+    };
+    if chosen.errors.is_empty() && options.candidate.is_none() {
         notes.push(format!(
             "{side} {component}: no incidence lies between others, so the interpolation was not chosen by its error \
              but taken as {}",
-            tried[0].0
+            chosen.candidate
         ));
     }
-    let (candidate, loo) = tried.swap_remove(best);
+    let edge = beyond.get(best(&beyond)).filter(|t| !t.errors.is_empty()).unwrap_or(chosen);
+    let (rule, beyond_rule) = (contest.rule(chosen), contest.rule(edge));
+    let loo = chosen.errors.clone();
+    let mut scores: Vec<(Candidate, f64)> = Vec::new();
+    for tried in within.iter().filter(|t| !t.errors.is_empty()) {
+        let score = tried.errors.iter().map(|e| e.rel_l1).sum::<f64>() / tried.errors.len() as f64;
+        match scores.iter_mut().find(|s| s.0 == tried.candidate) {
+            Some(known) => known.1 = known.1.min(score),
+            None => scores.push((tried.candidate, score)),
+        }
+    }
+    let plain = !rule.candidate.method.needs_base() || !beyond_rule.candidate.method.needs_base();
+    let nodes: Vec<Arc<Node>> = if plain && base.is_some() {
+        all.iter().map(|h| Arc::new(h.node.with_bsdf())).collect()
+    } else {
+        all.iter().map(|h| Arc::clone(&h.node)).collect()
+    };
     let summary = PartSummary {
         side,
         component,
@@ -115,15 +176,43 @@ pub(crate) fn part(
         readings,
         table_values: nodes.iter().map(|n| n.table_len()).sum(),
         bilateral,
-        candidate,
+        candidate: rule.candidate,
+        base: rule.base.as_ref().map(|b| b.name.clone()),
+        beyond: beyond_rule.candidate,
+        beyond_base: beyond_rule.base.as_ref().map(|b| b.name.clone()),
         scores,
     };
     Ok(Some(Built {
-        part: Part::new(nodes, isotropic, candidate),
+        part: Part::new(nodes, isotropic, rule, beyond_rule),
         summary,
         loo,
         notes,
     }))
+}
+
+/// The bases to try, best first.
+fn bases(
+    fitting: &Fitting,
+    component: Component,
+    isotropic: bool,
+) -> Result<Vec<(Recipe, Arc<Base>)>, BuildError> {
+    let fitted = |recipe: Recipe| -> Option<(Recipe, Arc<Base>, f64)> {
+        let base = fitting.fit(&recipe, |_| true)?;
+        let error = fitting.error(&base, |_| true);
+        error.is_finite().then(|| (recipe, Arc::new(base), error))
+    };
+    let recipes = recipes(component, isotropic)?;
+    let mut found: Vec<_> = recipes.into_par_iter().filter_map(fitted).collect();
+    found.sort_by(|a, b| a.2.total_cmp(&b.2));
+    if component == Component::Reflection
+        && let Some((first, _, error)) = found.first()
+        && let Some(retro) = fitted(with_retro(first))
+        && retro.2 < RETRO_GAIN * error
+    {
+        found.insert(0, retro);
+    }
+    found.truncate(BASES);
+    Ok(found.into_iter().map(|(recipe, base, _)| (recipe, base)).collect())
 }
 
 fn piles(
@@ -131,7 +220,6 @@ fn piles(
     side: Side,
     component: Component,
     isotropic: bool,
-    options: &BuildOptions,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Pile>, BuildError> {
     let mut piles: Vec<Pile> = Vec::new();
@@ -140,10 +228,10 @@ fn piles(
         if readings.len() == 0 {
             continue;
         }
-        let mut surface = surface(&readings, &group, side, component, options)?;
+        let mut surface = surface(&readings, &group, side, component)?;
         if isotropic && half_measured(&surface) {
             readings = readings.with_mirror_images();
-            surface = self::surface(&readings, &group, side, component, options)?;
+            surface = self::surface(&readings, &group, side, component)?;
             notes.push(format!(
                 "{side} {component}, theta_i {:.1} deg: one half was measured, the other is its mirror image",
                 group.angles.theta.to_degrees()
@@ -169,7 +257,6 @@ fn surface(
     group: &Incidence<'_>,
     side: Side,
     component: Component,
-    options: &BuildOptions,
 ) -> Result<SliceSurface, BuildError> {
     let (theta_i, phi_i) = group.angles.to_degrees();
     let refused = |found: String, needed: &str| BuildError::Readings {
@@ -192,7 +279,7 @@ fn surface(
             "readings over the hemisphere",
         ));
     }
-    SliceSurface::new(readings, options.smooth)
+    SliceSurface::flat(readings)
         .ok_or_else(|| refused("no triangle".into(), "readings over the hemisphere"))
 }
 

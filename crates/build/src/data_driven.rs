@@ -4,6 +4,7 @@ use gonio_bsdf::{Bsdf, Channel, FourComponents, Properties};
 use gonio_geom::{Component, DVec3, Direction, Side};
 use gonio_scan::{Measurement, Slice};
 
+use crate::across::Candidate;
 use crate::builder::{self, Built};
 use crate::energy::Cap;
 use crate::error::BuildError;
@@ -11,7 +12,6 @@ use crate::incidence::Part;
 use crate::leave_one_out::LooError;
 use crate::slice_surface::Coverage;
 use crate::symmetry::{self, SymmetryChoice};
-use crate::warp::Candidate;
 
 /// Fewest distinct incidences a model is built from.
 const LEAST_INCIDENCES: usize = 2;
@@ -57,6 +57,12 @@ pub struct PartSummary {
     pub bilateral: bool,
     /// The interpolation over incidence.
     pub candidate: Candidate,
+    /// The parametric base it uses; `None` where it uses none.
+    pub base: Option<String>,
+    /// The interpolation past the measured incidences.
+    pub beyond: Candidate,
+    /// The parametric base that uses.
+    pub beyond_base: Option<String>,
     /// Mean leave-one-incidence-out relative L1 error of every candidate tried (the cubic of the best one only); empty with fewer than three incidences.
     pub scores: Vec<(Candidate, f64)>,
 }

@@ -40,6 +40,19 @@ pub enum BuildError {
         /// What is needed.
         needed: String,
     },
+    /// A candidate that needs a parametric base, where none could be fitted.
+    #[error("candidate: found {candidate} for {side} {component}, where no parametric base could be fitted; allowed one without a model")]
+    NoBase {
+        /// Side of incidence.
+        side: Side,
+        /// Component.
+        component: Component,
+        /// The candidate asked for.
+        candidate: &'static str,
+    },
+    /// A part of a base that the registry of analytic models lacks.
+    #[error(transparent)]
+    Bsdf(#[from] gonio_bsdf::BsdfError),
     /// Columns of a slice that differ in length.
     #[error("{field}: found {found} values, needed {needed} as in dsf")]
     Columns {

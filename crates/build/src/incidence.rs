@@ -1,17 +1,16 @@
 //! Interpolation over incidence for one side and component.
 //!
-//! `f(i, s) = sum_k w_k b_k + sum_k w_k g_k (f_k(s_k) - b_k)`: the diffuse bases `b_k` are interpolated as they are,
-//! the rest is read from each neighbouring slice in the direction `s_k` where a [`Warp`](crate::Warp) finds the same
-//! part of the lobe, with its factor `g_k`. At a measured incidence this is the slice itself.
+//! Between measured incidences one [`Rule`] holds, beyond them another; at a measured incidence both are its slice.
 
 use std::sync::Arc;
 
 use gonio_geom::DVec3;
 
+use crate::across::{Candidate, Counterpart, Frame, MOST_TERMS, Query, View};
+use crate::base::Base;
 use crate::layout::{Layout, Near, Neighbour};
 use crate::node::Node;
 use crate::slice_surface::Coverage;
-use crate::warp::{Candidate, Warp};
 
 /// A counterpart this low (cosine) or lower begins to lose weight: it leaves through the horizon of its slice.
 const FADE: f64 = 0.05;
@@ -22,32 +21,38 @@ const LEAST_VISIBLE: f64 = 0.1;
 /// A query within this angle of a measured incidence counts as measured (radians): half a degree.
 pub(crate) const SAME_INCIDENCE: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
-/// The incidences of one side and component, interpolated by one candidate.
+/// A candidate with the base it uses.
+#[derive(Clone, Debug)]
+pub(crate) struct Rule {
+    pub(crate) candidate: Candidate,
+    /// Used by those that need one.
+    pub(crate) base: Option<Arc<Base>>,
+}
+
+/// The incidences of one side and component, interpolated.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     nodes: Vec<Arc<Node>>,
     layout: Layout,
-    candidate: Candidate,
+    within: Rule,
+    beyond: Rule,
 }
 
 impl Part {
-    /// Interpolates between `nodes` (at least one; in isotropic layout sorted by polar angle).
-    pub(crate) fn new(nodes: Vec<Arc<Node>>, isotropic: bool, candidate: Candidate) -> Self {
+    /// Interpolates between `nodes` (at least one; in isotropic layout sorted by polar angle) by `within`, and past
+    /// the last of them (outside their hull) by `beyond`.
+    pub(crate) fn new(nodes: Vec<Arc<Node>>, isotropic: bool, within: Rule, beyond: Rule) -> Self {
         let directions: Vec<DVec3> = nodes.iter().map(|n| n.direction).collect();
         Part {
             layout: Layout::new(&directions, isotropic),
             nodes,
-            candidate,
+            within,
+            beyond,
         }
     }
 
     pub(crate) fn nodes(&self) -> &[Arc<Node>] {
         &self.nodes
-    }
-
-    /// Positions of the incidences that lie between others, so that they can be predicted from these.
-    pub(crate) fn interior(&self) -> Vec<usize> {
-        self.layout.interior()
     }
 
     /// The angle to the nearest measured incidence, radians.
@@ -59,89 +64,58 @@ impl Part {
     #[inline]
     pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
         let (i, s) = self.layout.frame(i, s);
-        if self.candidate.cubic
-            && let Some((value, fade)) = self.cubic(i, s)
-        {
-            return if fade < 1.0 {
-                fade * value.max(0.0) + (1.0 - fade) * self.linear(i, s)
-            } else {
-                value.max(0.0)
+        let near = self.layout.near(i);
+        let rule = if near.beyond { &self.beyond } else { &self.within };
+        let query = Query {
+            i,
+            s,
+            base: rule.base.as_ref(),
+        };
+        let way = rule.candidate.way();
+        let mut terms = [0.0; MOST_TERMS];
+        let stencil = rule.candidate.cubic.then(|| self.layout.stencil(i)).flatten();
+        for (term, &frame) in way.frames().iter().enumerate() {
+            let read = |k: &Neighbour, frame: Frame| {
+                let view = View {
+                    node: &self.nodes[k.node],
+                    neighbour: k,
+                };
+                let at = frame.counterpart(i, s, view.direction());
+                let visible = if frame == Frame::Still { 1.0 } else { fade(at.direction.z) };
+                let value = |at: Counterpart| way.read(term, &query, &view, at);
+                (if visible > 0.0 { value(at) } else { 0.0 }, visible)
+            };
+            let cubic = stencil.map(|(theta, stencil)| {
+                let mut visible = 1.0f64;
+                let mut value = |k: Neighbour| {
+                    let (v, seen) = read(&k, frame);
+                    visible = visible.min(seen);
+                    v
+                };
+                let between = stencil.between.map(|k| value(k.node));
+                let before = stencil.before.map(|k| value(k.node));
+                let after = stencil.after.map(|k| value(k.node));
+                (stencil.interpolate(theta, before, between, after), visible)
+            });
+            terms[term] = match cubic {
+                Some((value, 1.0)) => value,
+                Some((value, v)) if v > 0.0 => v * value + (1.0 - v) * linear(&near, frame, read),
+                _ => linear(&near, frame, read),
             };
         }
-        self.linear(i, s)
-    }
-
-    /// The limited cubic over incidence, and how far it holds: 0 where a counterpart is not visible, `None` where
-    /// there is no incidence beyond the two around `i`.
-    #[inline]
-    fn cubic(&self, i: DVec3, s: DVec3) -> Option<(f64, f64)> {
-        let (theta, stencil) = self.layout.stencil(i)?;
-        let moved = self.candidate.warp != Warp::Identity;
-        let mut visible = 1.0f64;
-        let mut value = |k: Neighbour| {
-            let node = &*self.nodes[k.node];
-            let level = if self.candidate.base_split { node.base } else { 0.0 };
-            let at = self.candidate.warp.counterpart(i, s, k.turn(node.direction));
-            if moved {
-                visible = visible.min(fade(at.direction.z));
-                if visible == 0.0 {
-                    return 0.0;
-                }
-            }
-            level + at.factor * (node.value(k.turn(at.direction)) - level)
-        };
-        let between = stencil.between.map(|k| value(k.node));
-        let before = stencil.before.map(|k| value(k.node));
-        let after = stencil.after.map(|k| value(k.node));
-        Some((stencil.interpolate(theta, before, between, after), visible))
-    }
-
-    /// Linear over incidence.
-    #[inline]
-    fn linear(&self, i: DVec3, s: DVec3) -> f64 {
-        let near = self.layout.near(i);
-        let moved = self.candidate.warp != Warp::Identity;
-        let (mut base, mut lobe, mut visible) = (0.0, 0.0, 0.0);
-        for k in near.iter() {
-            let node = &*self.nodes[k.node];
-            let level = if self.candidate.base_split { node.base } else { 0.0 };
-            base += k.weight * level;
-            let at = self.candidate.warp.counterpart(i, s, k.turn(node.direction));
-            let fade = if moved { fade(at.direction.z) } else { 1.0 };
-            if fade > 0.0 {
-                let value = node.value(k.turn(at.direction)) - level;
-                lobe += k.weight * fade * at.factor * value;
-                visible += k.weight * fade;
-            }
-        }
-        let mut f = base;
-        if visible > 0.0 {
-            f += lobe / visible * (visible / LEAST_VISIBLE).min(1.0);
-        }
-        if visible < LEAST_VISIBLE {
-            f += (1.0 - visible / LEAST_VISIBLE) * self.unmoved(&near, s);
-        }
-        f.max(0.0)
-    }
-
-    /// The lobes where they are: what is left when no counterpart is visible.
-    fn unmoved(&self, near: &Near, s: DVec3) -> f64 {
-        near.iter()
-            .map(|k| {
-                let node = &*self.nodes[k.node];
-                let level = if self.candidate.base_split { node.base } else { 0.0 };
-                k.weight * (node.value(k.turn(s)) - level)
-            })
-            .sum()
+        way.join(&query, &terms).max(0.0)
     }
 
     /// How the value at `(i, s)` is known.
     pub(crate) fn coverage(&self, i: DVec3, s: DVec3) -> Coverage {
         let (i, s) = self.layout.frame(i, s);
         let near = self.layout.near(i);
+        let rule = if near.beyond { &self.beyond } else { &self.within };
+        let frames = rule.candidate.way().frames();
+        let frame = frames.iter().copied().find(|f| *f != Frame::Still).unwrap_or(Frame::Still);
         let seen = near.iter().filter(|k| k.weight > 1e-9).all(|k| {
             let node = &*self.nodes[k.node];
-            let at = self.candidate.warp.counterpart(i, s, k.turn(node.direction));
+            let at = frame.counterpart(i, s, k.turn(node.direction));
             at.direction.z > 0.0 && node.measured(k.turn(at.direction))
         });
         let at_node = self.layout.distance(i) <= SAME_INCIDENCE;
@@ -151,6 +125,24 @@ impl Part {
             _ => Coverage::Extrapolated,
         }
     }
+}
+
+/// Linear over incidence; the slices as they are where no counterpart is visible.
+#[inline]
+fn linear(near: &Near, frame: Frame, read: impl Fn(&Neighbour, Frame) -> (f64, f64)) -> f64 {
+    let (mut sum, mut visible) = (0.0, 0.0);
+    for k in near.iter() {
+        let (value, seen) = read(k, frame);
+        sum += k.weight * seen * value;
+        visible += k.weight * seen;
+    }
+    if visible >= LEAST_VISIBLE {
+        return sum / visible;
+    }
+    let unmoved: f64 = near.iter().map(|k| k.weight * read(k, Frame::Still).0).sum();
+    let moved = if visible > 0.0 { sum / visible } else { 0.0 };
+    let share = visible / LEAST_VISIBLE;
+    share * moved + (1.0 - share) * unmoved
 }
 
 /// Smooth step from 0 at the horizon to 1 at [`FADE`].

@@ -66,6 +66,8 @@ pub(crate) struct Near {
     count: usize,
     /// Whether the query lies between measured incidences.
     pub(crate) inside: bool,
+    /// Whether it lies past the last one, or outside their hull.
+    pub(crate) beyond: bool,
 }
 
 impl Near {
@@ -82,6 +84,7 @@ impl Near {
             list,
             count: entries.len().min(3),
             inside,
+            beyond: !inside,
         }
     }
 
@@ -127,6 +130,14 @@ impl Layout {
         match self {
             Layout::Isotropic(thetas) => near_polar(thetas, polar(i)),
             Layout::Anisotropic(a) => a.near(i),
+        }
+    }
+
+    /// Incidences that stand at the edge of what was measured: the last one, or those of the hull.
+    pub(crate) fn rim(&self) -> Vec<usize> {
+        match self {
+            Layout::Isotropic(thetas) => vec![thetas.len() - 1],
+            Layout::Anisotropic(a) => a.hull.clone(),
         }
     }
 
@@ -180,6 +191,7 @@ fn near_polar(thetas: &[f64], theta: f64) -> Near {
         let turned = 0.5 * (1.0 - theta / first);
         let mut near = Near::of(&[(0, 1.0 - turned), (0, turned)], theta >= first - 1e-9);
         near.list[1].turned = true;
+        near.beyond = false;
         return near;
     }
     let mut k = 0;

@@ -1,6 +1,8 @@
 //! Data-driven models: from a processed measurement to a `Bsdf` without a formula in between.
 
+mod base;
 mod builder;
+mod choice;
 mod energy;
 mod incidence;
 mod layout;
@@ -11,6 +13,7 @@ mod readings;
 mod smoothing;
 mod table;
 
+pub mod across;
 pub mod channels;
 pub mod cubic;
 mod data_driven;
@@ -19,12 +22,12 @@ pub mod leave_one_out;
 pub mod reduce;
 pub mod slice_surface;
 pub mod symmetry;
-pub mod warp;
 
+pub use across::{Candidate, Frame, Method};
 pub use channels::SideBySide;
 pub use data_driven::{BuildOptions, DataDriven, PartSummary};
 pub use error::BuildError;
 pub use leave_one_out::LooError;
 pub use slice_surface::Coverage;
 pub use symmetry::SymmetryChoice;
-pub use warp::{Candidate, Warp};
+

@@ -1,7 +1,10 @@
 //! A measured incidence, made ready for evaluation.
 
+use std::sync::Arc;
+
 use gonio_geom::{Angles, DVec3};
 
+use crate::base::{Base, Picked};
 use crate::plane::{Point, from_plane, to_plane};
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
@@ -10,8 +13,8 @@ use crate::table::{Accuracy, Table};
 /// Cells along one side of the coverage mask: about a degree.
 const MASK_CELLS: usize = 180;
 
-/// Share of the hemisphere up to 75 degrees whose BSDF lies below the diffuse base.
-const BASE_QUANTILE: f64 = 0.05;
+/// Share of the hemisphere up to 75 degrees whose BSDF lies below the diffuse level.
+const LEVEL_QUANTILE: f64 = 0.05;
 
 /// Largest error of the resampled slice relative to the value, when the readings have no noise.
 const TABLE_ERROR: f64 = 1e-3;
@@ -22,10 +25,11 @@ const TABLE_NOISE: f64 = 0.4;
 /// Error of the resampled slice that does not matter, as a fraction of its mean BSDF.
 const TABLE_FLOOR: f64 = 1e-3;
 
-/// Most readings a held-out comparison uses; more are thinned evenly.
-const HELD_OUT_MOST: usize = 20_000;
+/// Smallest ratio to the base whose logarithm is taken.
+const LEAST_RATIO: f64 = 1e-4;
 
-/// One slice over the upper hemisphere of the local frame.
+/// One slice over the upper hemisphere of the local frame: its ratio to a parametric base, and the BSDF itself where
+/// that is asked for often.
 #[derive(Debug)]
 pub(crate) struct Node {
     /// Incidence as measured.
@@ -33,31 +37,51 @@ pub(crate) struct Node {
     /// Incidence in the local frame.
     pub(crate) direction: DVec3,
     /// Level of the diffuse part, 1/sr.
-    pub(crate) base: f64,
-    table: Table,
+    pub(crate) level: f64,
+    base: Option<Arc<Base>>,
+    ratio: Table,
+    bsdf: Option<Table>,
     mask: Vec<bool>,
+    density: Vec<Point>,
+    relative: f64,
+    mean: f64,
 }
 
-/// The readings of a node as read, to compare predictions with.
-#[derive(Debug, Default)]
-pub(crate) struct HeldOut {
-    pub(crate) direction: Vec<DVec3>,
-    /// BSDF, 1/sr.
-    pub(crate) bsdf: Vec<f64>,
-    /// Solid angle times cosine.
-    pub(crate) weight: Vec<f64>,
+/// What is known of the readings of a node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Statistics {
     /// Median of the stated noise over the value.
-    relative_noise: f64,
+    pub(crate) relative_noise: f64,
+    /// Mean BSDF over the measured directions, 1/sr.
+    pub(crate) mean: f64,
+}
+
+impl Statistics {
+    /// Of all readings, some of which are `picked`.
+    pub(crate) fn new(readings: &[Readings], picked: &Picked) -> Self {
+        let mut ratios: Vec<f64> = readings
+            .iter()
+            .flat_map(|r| r.sigma.iter().zip(&r.value))
+            .map(|(u, f)| u / f.abs().max(1e-300))
+            .collect();
+        ratios.sort_unstable_by(f64::total_cmp);
+        let weight: f64 = (0..picked.len()).map(|j| picked.omega[j] * picked.direction[j].z).sum();
+        Statistics {
+            relative_noise: ratios.get(ratios.len() / 2).copied().unwrap_or(0.0),
+            mean: if weight > 0.0 { (picked.albedo() / weight).abs() } else { 0.0 },
+        }
+    }
 }
 
 impl Node {
     /// Resamples `surfaces` (one incidence up to azimuth; their mean counts) and, when `bilateral`, their mirror
-    /// images at the plane of incidence.
+    /// images at the plane of incidence. `base` is the one they were filled with.
     pub(crate) fn new(
         incidence: Angles,
         direction: DVec3,
         surfaces: &[SliceSurface],
-        held_out: &HeldOut,
+        base: Option<&Arc<Base>>,
+        statistics: Statistics,
         bilateral: bool,
     ) -> Self {
         let views = |p: Point| {
@@ -69,7 +93,7 @@ impl Node {
             let (mut known, mut all) = ((0.0, 0.0), (0.0, 0.0));
             for surface in surfaces {
                 for q in views(p) {
-                    let (value, measured) = surface.at(q);
+                    let (value, measured) = surface.ratio_at(q);
                     all = (all.0 + value, all.1 + 1.0);
                     if measured {
                         known = (known.0 + value, known.1 + 1.0);
@@ -84,30 +108,86 @@ impl Node {
             let images: Vec<Point> = density.iter().map(|p| [p[0], -p[1]]).collect();
             density.extend(images);
         }
+        let relative = TABLE_ERROR.max(TABLE_NOISE * statistics.relative_noise);
+        let floor = TABLE_FLOOR * statistics.mean;
         let accuracy = Accuracy {
-            relative: TABLE_ERROR.max(TABLE_NOISE * held_out.relative_noise),
-            floor: TABLE_FLOOR * held_out.mean_bsdf(),
+            relative,
+            floor: |p: Point| match base {
+                Some(base) => floor / base.eval(direction, from_plane(p)),
+                None => floor,
+            },
         };
-        let table = Table::new(|p| at(p).0, &density, accuracy);
+        let ratio = Table::new(|p| at(p).0, &density, accuracy);
         let mask = (0..MASK_CELLS * MASK_CELLS)
             .map(|k| {
                 let centre = |i: usize| 2.0 * (i as f64 + 0.5) / MASK_CELLS as f64 - 1.0;
                 at([centre(k % MASK_CELLS), centre(k / MASK_CELLS)]).1
             })
             .collect();
-        Node {
+        let mut node = Node {
             incidence,
             direction,
-            base: base(&table),
-            table,
+            level: 0.0,
+            base: base.cloned(),
+            ratio,
+            bsdf: None,
             mask,
+            density,
+            relative,
+            mean: statistics.mean,
+        };
+        node.level = level(&node);
+        node
+    }
+
+    /// The same with the BSDF resampled too, so that it is one look-up away.
+    pub(crate) fn with_bsdf(&self) -> Self {
+        let accuracy = Accuracy {
+            relative: self.relative,
+            floor: |_| TABLE_FLOOR * self.mean,
+        };
+        let bsdf = self
+            .base
+            .as_ref()
+            .map(|_| Table::new(|p| self.value(from_plane(p)), &self.density, accuracy));
+        Node {
+            incidence: self.incidence,
+            direction: self.direction,
+            level: self.level,
+            base: self.base.clone(),
+            ratio: self.ratio.clone(),
+            bsdf,
+            mask: self.mask.clone(),
+            density: Vec::new(),
+            relative: self.relative,
+            mean: self.mean,
         }
     }
 
     /// BSDF in the local direction `s` (`z >= 0`); may be negative where the readings are.
     #[inline]
     pub(crate) fn value(&self, s: DVec3) -> f64 {
-        self.table.value(to_plane(s))
+        let p = to_plane(s);
+        match (&self.bsdf, &self.base) {
+            (Some(bsdf), _) => bsdf.value(p),
+            (None, Some(base)) => self.ratio.value(p) * base.eval(self.direction, s),
+            (None, None) => self.ratio.value(p),
+        }
+    }
+
+    /// Logarithm of the ratio of the BSDF to `base` in the local direction `s`, taken no lower than that of
+    /// [`LEAST_RATIO`].
+    #[inline]
+    pub(crate) fn ln_ratio(&self, base: &Arc<Base>, s: DVec3) -> f64 {
+        let ratio = self.ratio.value(to_plane(s));
+        match &self.base {
+            Some(own) if Arc::ptr_eq(own, base) => ratio.max(LEAST_RATIO).ln(),
+            Some(own) => {
+                let bases = own.eval(self.direction, s) / base.eval(self.direction, s);
+                (ratio * bases).max(LEAST_RATIO).ln()
+            }
+            None => (ratio / base.eval(self.direction, s)).max(LEAST_RATIO).ln(),
+        }
     }
 
     /// Whether readings surround the local direction `s`.
@@ -119,48 +199,12 @@ impl Node {
 
     /// Number of values the slice was resampled to.
     pub(crate) fn table_len(&self) -> usize {
-        self.table.len()
+        self.ratio.len() + self.bsdf.as_ref().map_or(0, Table::len)
     }
-}
-
-impl HeldOut {
-    /// The readings behind `surfaces`, each weighted by its projected solid angle.
-    pub(crate) fn new(readings: &[Readings], surfaces: &[SliceSurface]) -> Self {
-        let mut out = HeldOut::default();
-        for (r, surface) in readings.iter().zip(surfaces) {
-            let omega = surface.solid_angles();
-            let stride = r.len().div_ceil(HELD_OUT_MOST).max(1);
-            for k in (0..r.len()).step_by(stride) {
-                let direction = from_plane(r.points[k]);
-                out.direction.push(direction);
-                out.bsdf.push(r.value[k]);
-                out.weight.push(omega[k] * direction.z * stride as f64);
-            }
-        }
-        out.relative_noise = relative_noise(readings);
-        out
-    }
-
-    /// Mean BSDF over the measured directions, 1/sr.
-    pub(crate) fn mean_bsdf(&self) -> f64 {
-        let weight: f64 = self.weight.iter().sum();
-        let sum: f64 = self.weight.iter().zip(&self.bsdf).map(|(w, f)| w * f).sum();
-        if weight > 0.0 { (sum / weight).abs() } else { 0.0 }
-    }
-}
-
-fn relative_noise(readings: &[Readings]) -> f64 {
-    let mut ratios: Vec<f64> = readings
-        .iter()
-        .flat_map(|r| r.sigma.iter().zip(&r.value))
-        .map(|(u, f)| u / f.abs().max(1e-300))
-        .collect();
-    ratios.sort_unstable_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Low quantile of the BSDF up to 75 degrees, not below 0.
-fn base(table: &Table) -> f64 {
+fn level(node: &Node) -> f64 {
     let (n, lowest) = (4000, f64::to_radians(75.0).cos());
     let golden = std::f64::consts::PI * (1.0 + 5f64.sqrt());
     let mut values: Vec<f64> = (0..n)
@@ -168,9 +212,9 @@ fn base(table: &Table) -> f64 {
             let z = 1.0 - (1.0 - lowest) * (k as f64 + 0.5) / n as f64;
             let (s, c) = (golden * k as f64).sin_cos();
             let r = (1.0 - z * z).sqrt();
-            table.value(to_plane(DVec3::new(r * c, r * s, z)))
+            node.value(DVec3::new(r * c, r * s, z))
         })
         .collect();
     values.sort_unstable_by(f64::total_cmp);
-    values[(BASE_QUANTILE * n as f64) as usize].max(0.0)
+    values[(LEVEL_QUANTILE * n as f64) as usize].max(0.0)
 }

@@ -1,14 +1,17 @@
 //! One incidence: the BSDF over a hemisphere, interpolated between scattered readings.
 //!
-//! The readings are triangulated and the BSDF is linear in every triangle. A ring of points on the horizon carries
-//! the value of the readings nearest to it, so that the BSDF stays constant beyond the last reading (the DSF falls
-//! to zero with the cosine). A hole, such as the detector's shadow around the retro direction, is bridged from its
+//! The readings are triangulated and the BSDF, or its ratio to a parametric base, is linear in every triangle. A ring of points on the horizon carries
+//! the value of the readings nearest to it, so that the BSDF (or its ratio) stays constant beyond the last reading (the
+//! DSF falls to zero with the cosine). A hole, such as the detector's shadow around the retro direction, is bridged from its
 //! rim. Both are marked as extrapolated.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
+use gonio_geom::DVec3;
 use rayon::prelude::*;
 
+use crate::base::Base;
 use crate::mesh::Mesh;
 use crate::plane::{Point, from_plane, into_disk, solid_angle_density};
 use crate::readings::Readings;
@@ -55,8 +58,11 @@ impl Coverage {
 #[derive(Debug)]
 pub(crate) struct SliceSurface {
     mesh: Mesh,
-    /// BSDF at the vertices: readings first, then the rim.
+    /// What is linear in every triangle, at the vertices: readings first, then the rim. The BSDF, or its ratio to
+    /// `base`.
     values: Vec<f64>,
+    /// The base and the local incidence.
+    base: Option<(Arc<Base>, DVec3)>,
     readings: usize,
     /// Longest edge of a triangle that still counts as measured, radians.
     longest_edge: f64,
@@ -66,6 +72,13 @@ impl SliceSurface {
     /// The surface through `readings`, smoothed within their stated noise when `smoothed`. `None` when the readings
     /// span no triangle.
     pub(crate) fn new(readings: &Readings, smoothed: bool) -> Option<Self> {
+        let mut surface = SliceSurface::flat(readings)?;
+        surface.fill(readings, smoothed, None);
+        Some(surface)
+    }
+
+    /// The triangles of `readings`, not filled yet: the BSDF is 0.
+    pub(crate) fn flat(readings: &Readings) -> Option<Self> {
         let count = readings.len();
         if count < 3 {
             return None;
@@ -76,19 +89,10 @@ impl SliceSurface {
             [c, s]
         }));
         let mesh = Mesh::new(points)?;
-        let mut values = if smoothed {
-            smooth(&mesh, &readings.value, &readings.sigma)
-        } else {
-            readings.value.clone()
-        };
-        let rim: Vec<f64> = mesh.points()[count..]
-            .par_iter()
-            .map(|&p| rim_value(p, &readings.points, &values))
-            .collect();
-        values.extend(rim);
         let mut surface = SliceSurface {
+            values: vec![0.0; count + RIM],
             mesh,
-            values,
+            base: None,
             readings: count,
             longest_edge: f64::INFINITY,
         };
@@ -98,9 +102,40 @@ impl SliceSurface {
         Some(surface)
     }
 
-    /// BSDF at a point of the plane, and whether readings surround it. Outside the disk the value on the horizon. May
-    /// be negative where readings are.
-    pub(crate) fn at(&self, p: Point) -> (f64, bool) {
+    /// Takes the values of `readings`, those it was made of; their ratio to `base` (with the local incidence) when
+    /// there is one.
+    pub(crate) fn fill(&mut self, readings: &Readings, smoothed: bool, base: Option<(Arc<Base>, DVec3)>) {
+        let count = self.readings;
+        let divided = base.as_ref().map(|(base, i)| {
+            let level: Vec<f64> = readings
+                .points
+                .par_iter()
+                .with_min_len(256)
+                .map(|&p| base.eval(*i, from_plane(p)))
+                .collect();
+            let over = |v: &[f64]| v.iter().zip(&level).map(|(v, m)| v / m).collect::<Vec<f64>>();
+            (over(&readings.value), over(&readings.sigma))
+        });
+        let (value, sigma) = divided
+            .as_ref()
+            .map_or((&readings.value, &readings.sigma), |(v, u)| (v, u));
+        let mut values = if smoothed {
+            smooth(&self.mesh, value, sigma)
+        } else {
+            value.clone()
+        };
+        let rim: Vec<f64> = self.mesh.points()[count..]
+            .par_iter()
+            .map(|&p| rim_value(p, &readings.points, &values))
+            .collect();
+        values.extend(rim);
+        self.values = values;
+        self.base = base;
+    }
+
+    /// What is linear in every triangle at a point of the plane, and whether readings surround it. Outside the disk
+    /// the value on the horizon. May be negative where readings are.
+    pub(crate) fn ratio_at(&self, p: Point) -> (f64, bool) {
         let Some(at) = self.mesh.locate(inside(p)) else {
             return (0.0, false);
         };
@@ -114,14 +149,18 @@ impl SliceSurface {
         (value, measured)
     }
 
-    /// The value of [`SliceSurface::at`].
+    /// The BSDF at a point of the plane.
     pub(crate) fn value(&self, p: Point) -> f64 {
-        self.at(p).0
+        let ratio = self.ratio_at(p).0;
+        match &self.base {
+            Some((base, i)) => ratio * base.eval(*i, from_plane(p)),
+            None => ratio,
+        }
     }
 
     /// Whether readings surround `p`.
     pub(crate) fn measured(&self, p: Point) -> bool {
-        self.at(p).1
+        self.ratio_at(p).1
     }
 
     /// Solid angle of each reading: a third of the measured triangles around it.

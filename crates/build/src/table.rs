@@ -13,11 +13,15 @@ const CELLS: usize = 64;
 /// Finest sub-grid of a cell.
 const FINEST: usize = 256;
 
+/// Points along each side of a cell at which the floor is asked for.
+const FLOOR_POINTS: usize = 4;
+
 /// The bilinear error at which the refinement of a cell stops: `relative` times the value plus `floor`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Accuracy {
+pub(crate) struct Accuracy<F> {
     pub(crate) relative: f64,
-    pub(crate) floor: f64,
+    /// By the point; the least of a cell counts.
+    pub(crate) floor: F,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,14 +40,18 @@ pub(crate) struct Table {
 
 impl Table {
     /// Resamples `surface`. `density` are the points of the readings: they say where detail can be.
-    pub(crate) fn new(surface: impl Fn(Point) -> f64 + Sync, density: &[Point], accuracy: Accuracy) -> Self {
+    pub(crate) fn new(
+        surface: impl Fn(Point) -> f64 + Sync,
+        density: &[Point],
+        accuracy: Accuracy<impl Fn(Point) -> f64 + Sync>,
+    ) -> Self {
         let mut counts = vec![0usize; CELLS * CELLS];
         for p in density {
             counts[cell_of(*p).0] += 1;
         }
         let grids: Vec<(usize, Vec<f32>)> = (0..CELLS * CELLS)
             .into_par_iter()
-            .map(|k| resample(&surface, k, counts[k], accuracy))
+            .map(|k| resample(&surface, k, counts[k], accuracy.relative, &accuracy.floor))
             .collect();
         let mut table = Table {
             cells: Vec::with_capacity(grids.len()),
@@ -98,13 +106,21 @@ fn resample(
     surface: &(impl Fn(Point) -> f64 + Sync),
     k: usize,
     readings: usize,
-    accuracy: Accuracy,
+    relative: f64,
+    floor: &impl Fn(Point) -> f64,
 ) -> (usize, Vec<f32>) {
     let width = 2.0 / CELLS as f64;
     let corner = [(k % CELLS) as f64 * width - 1.0, (k / CELLS) as f64 * width - 1.0];
     let nearest = |low: f64| 0f64.clamp(low, low + width);
     if nearest(corner[0]).hypot(nearest(corner[1])) > 1.0 {
         return (0, Vec::new());
+    }
+    let mut least = f64::INFINITY;
+    for j in 0..FLOOR_POINTS {
+        for i in 0..FLOOR_POINTS {
+            let at = |k: usize| width * (k as f64 + 0.5) / FLOOR_POINTS as f64;
+            least = least.min(floor(into_disk([corner[0] + at(i), corner[1] + at(j)], 1.0)));
+        }
     }
     let sample = |n: usize| -> Vec<f64> {
         let mut values = Vec::with_capacity((n + 1) * (n + 1));
@@ -125,7 +141,7 @@ fn resample(
     let mut values = sample(n);
     while n < finest {
         let fine = sample(2 * n);
-        let good = bilinear_error_is_small(&values, &fine, n, accuracy);
+        let good = bilinear_error_is_small(&values, &fine, n, relative, least);
         if good {
             break;
         }
@@ -136,7 +152,7 @@ fn resample(
 }
 
 /// Whether the `n`-grid interpolates every vertex of the `2 n`-grid well.
-fn bilinear_error_is_small(coarse: &[f64], fine: &[f64], n: usize, accuracy: Accuracy) -> bool {
+fn bilinear_error_is_small(coarse: &[f64], fine: &[f64], n: usize, relative: f64, floor: f64) -> bool {
     let c = |i: usize, j: usize| coarse[j * (n + 1) + i];
     for j in 0..=2 * n {
         for i in 0..=2 * n {
@@ -144,7 +160,7 @@ fn bilinear_error_is_small(coarse: &[f64], fine: &[f64], n: usize, accuracy: Acc
             let (a1, b1) = (a + i % 2, b + j % 2);
             let guess = 0.25 * (c(a, b) + c(a1, b) + c(a, b1) + c(a1, b1));
             let value = fine[j * (2 * n + 1) + i];
-            if (guess - value).abs() > accuracy.relative * value.abs() + accuracy.floor {
+            if (guess - value).abs() > relative * value.abs() + floor {
                 return false;
             }
         }
@@ -156,9 +172,9 @@ fn bilinear_error_is_small(coarse: &[f64], fine: &[f64], n: usize, accuracy: Acc
 mod tests {
     use super::*;
 
-    const FINE: Accuracy = Accuracy {
+    const FINE: Accuracy<fn(Point) -> f64> = Accuracy {
         relative: 1e-3,
-        floor: 1e-4,
+        floor: |_| 1e-4,
     };
 
     fn spiral(n: usize) -> impl Iterator<Item = Point> {

@@ -47,7 +47,7 @@ impl DataDriven {
     }
 
     /// How each side and component was built: side, component, incidences, readings, table_values, bilateral,
-    /// candidate, scores (mean relative L1 of every candidate by name).
+    /// candidate, base (its parametric model, or None), beyond and beyond_base (the same past the measured incidences), scores (mean relative L1 of every candidate by name).
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.0
@@ -62,6 +62,9 @@ impl DataDriven {
                 dict.set_item("table_values", s.table_values)?;
                 dict.set_item("bilateral", s.bilateral)?;
                 dict.set_item("candidate", s.candidate.name())?;
+                dict.set_item("base", s.base.as_deref())?;
+                dict.set_item("beyond", s.beyond.name())?;
+                dict.set_item("beyond_base", s.beyond_base.as_deref())?;
                 let scores = PyDict::new(py);
                 for (candidate, score) in &s.scores {
                     scores.set_item(candidate.name(), score)?;

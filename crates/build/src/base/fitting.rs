@@ -1,0 +1,185 @@
+//! Fitting a base to a few readings of every slice.
+
+use std::f64::consts::PI;
+
+use gonio_bsdf::Channel;
+use gonio_fit::{FitOptions, Metric, Selection, fit};
+use gonio_geom::{Component, DVec3, Direction};
+use gonio_scan::{Flags, Measurement, Slice};
+
+use super::{Base, Recipe};
+
+/// Readings that the search for a starting point looks at.
+const START_READINGS: usize = 900;
+
+/// The floor of a base in units of the mean BSDF of its slices.
+const FLOOR: f64 = 1e-4;
+
+/// Largest share of light that the parts of a base may scatter before readings are scaled down.
+const LARGEST: f64 = 0.95;
+
+/// Readings picked from one incidence, each with the solid angle it stands for.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Picked {
+    pub(crate) direction: Vec<DVec3>,
+    /// BSDF, 1/sr.
+    pub(crate) bsdf: Vec<f64>,
+    /// Independent standard uncertainty of `bsdf`; 0 when unknown.
+    pub(crate) sigma: Vec<f64>,
+    /// Solid angle, sr, over the probability of being picked.
+    pub(crate) omega: Vec<f64>,
+}
+
+impl Picked {
+    /// About `most` of the readings, picked evenly along their order with a probability in proportion to `importance`
+    /// (not negative); sums over solid angle keep their expectation.
+    pub(crate) fn new(
+        readings: usize,
+        most: usize,
+        reading: impl Fn(usize) -> (DVec3, f64, f64, f64),
+        importance: impl Fn(f64, f64) -> f64,
+    ) -> Self {
+        let weights: Vec<f64> = (0..readings)
+            .map(|j| {
+                let (d, f, _, omega) = reading(j);
+                omega.max(0.0) * importance(f.max(0.0), d.z)
+            })
+            .collect();
+        let total: f64 = weights.iter().sum();
+        let mut out = Picked::default();
+        let mut sum = 0.5;
+        for (j, w) in weights.iter().enumerate() {
+            let p = if total > 0.0 { (most as f64 * w / total).min(1.0) } else { 0.0 };
+            sum += p;
+            if sum >= 1.0 && p > 0.0 {
+                sum -= 1.0;
+                let (d, f, u, omega) = reading(j);
+                out.direction.push(d);
+                out.bsdf.push(f);
+                out.sigma.push(u);
+                out.omega.push(omega / p);
+            }
+        }
+        out
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.bsdf.len()
+    }
+
+    /// Integral of the DSF.
+    pub(crate) fn albedo(&self) -> f64 {
+        (0..self.len()).map(|j| self.omega[j] * self.bsdf[j] * self.direction[j].z).sum()
+    }
+}
+
+/// The readings a base is fitted to: one entry an incidence.
+pub(crate) struct Fitting {
+    component: Component,
+    scale: f64,
+    floor: f64,
+    incidences: Vec<DVec3>,
+    readings: Vec<Picked>,
+    slices: Vec<Slice>,
+}
+
+impl Fitting {
+    /// Readings of `component` in the local frame.
+    pub(crate) fn new(component: Component, incidences: Vec<DVec3>, readings: Vec<Picked>) -> Self {
+        let albedo = readings.iter().map(Picked::albedo).fold(0.0, f64::max);
+        let scale = (albedo / LARGEST).max(1.0);
+        let slices = incidences
+            .iter()
+            .zip(&readings)
+            .map(|(&i, r)| slice(component, i, r, scale))
+            .collect();
+        Fitting {
+            component,
+            scale,
+            floor: (FLOOR * albedo / PI).max(f64::MIN_POSITIVE),
+            incidences,
+            readings,
+            slices,
+        }
+    }
+
+    /// The base of `recipe` that describes the incidences for which `keep` holds best (cube roots of the DSF over
+    /// solid angle [ForesFerwerdaGu2012]); `None` when it cannot be fitted.
+    pub(crate) fn fit(&self, recipe: &Recipe, keep: impl Fn(usize) -> bool) -> Option<Base> {
+        let measurement = Measurement {
+            slices: (0..self.slices.len())
+                .filter(|&k| keep(k))
+                .map(|k| self.slices[k].clone())
+                .collect(),
+            ..Measurement::default()
+        };
+        let options = FitOptions {
+            metric: Metric::CubeRoot,
+            selection: Selection {
+                max_theta_s: 88f64.to_radians(),
+                ..Selection::default()
+            },
+            signature: false,
+            compare: Vec::new(),
+            profile: false,
+            start_readings: START_READINGS,
+            ..FitOptions::default()
+        };
+        let found = fit(&measurement, &recipe.model, &options).ok()?;
+        let (channel, values) = found.parameters().into_iter().next()?;
+        let mut parts = Vec::with_capacity(recipe.moves.len());
+        for (k, &moves) in recipe.moves.iter().enumerate() {
+            let own = recipe.model.part_values(k, &values);
+            parts.push((recipe.model.parts[k].family.model(&[(channel, own)]).ok()?, moves));
+        }
+        Some(Base {
+            name: recipe.model.name.clone(),
+            parts,
+            component: self.component,
+            scale: self.scale,
+            floor: self.floor,
+        })
+    }
+
+    /// Relative L1 difference of `base` from the readings of the incidences for which `keep` holds.
+    pub(crate) fn error(&self, base: &Base, keep: impl Fn(usize) -> bool) -> f64 {
+        let (mut apart, mut size) = (0.0, 0.0);
+        for k in (0..self.incidences.len()).filter(|&k| keep(k)) {
+            let r = &self.readings[k];
+            for j in 0..r.len() {
+                let w = r.omega[j] * r.direction[j].z;
+                apart += w * (base.eval(self.incidences[k], r.direction[j]) - r.bsdf[j]).abs();
+                size += w * r.bsdf[j].abs();
+            }
+        }
+        apart / size.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// The picked readings as the fit takes them.
+fn slice(component: Component, i: DVec3, r: &Picked, scale: f64) -> Slice {
+    let angles: Vec<(f64, f64)> = r
+        .direction
+        .iter()
+        .map(|&d| {
+            let d = Direction::from_unit(d);
+            let d = if component == Component::Transmission { d.flipped() } else { d };
+            (d.theta(), d.phi())
+        })
+        .collect();
+    let of = |values: &[f64]| -> Vec<f64> {
+        values.iter().zip(&r.direction).map(|(v, d)| v * d.z / scale).collect()
+    };
+    Slice {
+        incidence: Direction::from_unit(i).angles(),
+        channel: Channel::Photopic,
+        theta_s: angles.iter().map(|a| a.0).collect(),
+        phi_s: angles.iter().map(|a| a.1).collect(),
+        dsf: of(&r.bsdf),
+        u_dsf: of(&r.sigma),
+        omega: r.omega.clone(),
+        flags: vec![Flags::NONE; r.len()],
+        u_common: 0.0,
+        integrals: Vec::new(),
+    }
+}

@@ -1,0 +1,87 @@
+//! The parametric base of a data-driven model: an analytic sum fitted to the slices, which the readings are divided by
+//! so that what is left to interpolate is smooth and close to 1.
+
+mod diffuse;
+mod fitting;
+mod recipes;
+mod retro;
+
+use std::fmt;
+
+use gonio_bsdf::Bsdf;
+use gonio_geom::{Component, DVec3, Direction};
+
+pub(crate) use fitting::{Fitting, Picked};
+pub(crate) use recipes::{Recipe, recipes, with_retro};
+
+/// How a part of a base moves with the incidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Moves {
+    /// It stays: diffuse parts.
+    Not,
+    /// With the mirror (through) direction.
+    Mirror,
+    /// With the direction of incidence.
+    Retro,
+}
+
+/// An analytic sum in the local frame, 1/sr, positive everywhere.
+pub(crate) struct Base {
+    /// Its parts joined by `+`.
+    pub(crate) name: String,
+    parts: Vec<(Box<dyn Bsdf>, Moves)>,
+    component: Component,
+    /// What the parts are multiplied with.
+    scale: f64,
+    /// Added to the parts that stay, so that ratios to the base stay finite.
+    floor: f64,
+}
+
+impl fmt::Debug for Base {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Base").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl Base {
+    /// BSDF for local directions on the upper hemisphere.
+    #[inline]
+    pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
+        self.sum(i, s, |_| true) + self.floor
+    }
+
+    /// The parts that move as `moves`, together.
+    #[inline]
+    pub(crate) fn eval_moving(&self, moves: Moves, i: DVec3, s: DVec3) -> f64 {
+        let sum = self.sum(i, s, |m| m == moves);
+        if moves == Moves::Not { sum + self.floor } else { sum }
+    }
+
+    #[inline]
+    fn sum(&self, i: DVec3, s: DVec3, of: impl Fn(Moves) -> bool) -> f64 {
+        let wi = Direction::from_unit(raised(i));
+        let s = raised(s);
+        let ws = match self.component {
+            Component::Reflection => Direction::from_unit(s),
+            Component::Transmission => Direction::from_unit(DVec3::new(s.x, s.y, -s.z)),
+        };
+        let parts = self.parts.iter().filter(|p| of(p.1));
+        self.scale * parts.map(|p| p.0.eval_first(wi, ws)).sum::<f64>()
+    }
+
+    /// Whether some part moves as `moves`.
+    pub(crate) fn has(&self, moves: Moves) -> bool {
+        self.parts.iter().any(|p| p.1 == moves)
+    }
+}
+
+/// Formulas end at the horizon, slices a little before it: the direction raised to where both hold.
+#[inline]
+fn raised(v: DVec3) -> DVec3 {
+    const LEAST: f64 = 1e-3;
+    if v.z >= LEAST {
+        v
+    } else {
+        DVec3::new(v.x, v.y, LEAST).normalize()
+    }
+}

@@ -1,0 +1,157 @@
+//! Which way of interpolating across incidences predicts left-out incidences best, and with which base.
+
+use std::sync::Arc;
+
+use gonio_geom::Component;
+use rayon::prelude::*;
+
+use crate::across::Candidate;
+use crate::base::{Base, Fitting, Recipe};
+use crate::incidence::Rule;
+use crate::leave_one_out::{Fold, Held, LooError, error, folds};
+
+/// A candidate whose worst fold is worse than this factor times the least worst fold is not chosen.
+const WORST: f64 = 1.5;
+
+/// Candidates whose mean errors lie closer than this ratio are tied; the first in order is taken.
+const TIE: f64 = 1.01;
+
+/// How many of the linear candidates are tried with a cubic too.
+const CUBIC: usize = 2;
+
+/// A base to try: fitted to everything, and to what each fold keeps.
+#[derive(Debug)]
+pub(crate) struct Fitted {
+    pub(crate) whole: Arc<Base>,
+    folds: Vec<Option<Arc<Base>>>,
+}
+
+/// What the choice is made of.
+pub(crate) struct Contest<'a> {
+    pub(crate) all: &'a [Held],
+    pub(crate) isotropic: bool,
+    pub(crate) component: Component,
+    pub(crate) bases: Vec<Fitted>,
+    pub(crate) folds: Vec<Fold>,
+}
+
+/// A candidate, its base (a position in [`Contest::bases`]), and its errors.
+#[derive(Clone, Debug)]
+pub(crate) struct Tried {
+    pub(crate) candidate: Candidate,
+    base: Option<usize>,
+    pub(crate) errors: Vec<LooError>,
+}
+
+impl Tried {
+    /// Mean error against the smoothed slices.
+    pub(crate) fn mean(&self) -> f64 {
+        self.errors.iter().map(|e| e.rel_l1_smooth).sum::<f64>() / self.errors.len() as f64
+    }
+
+    fn worst(&self) -> f64 {
+        self.errors.iter().map(|e| e.rel_l1_smooth).fold(0.0, f64::max)
+    }
+}
+
+impl<'a> Contest<'a> {
+    /// Fits the bases in every fold.
+    pub(crate) fn new(
+        all: &'a [Held],
+        isotropic: bool,
+        component: Component,
+        fitting: Option<&Fitting>,
+        bases: Vec<(Recipe, Arc<Base>)>,
+    ) -> Self {
+        let folds = folds(all, isotropic);
+        let bases = bases
+            .into_iter()
+            .map(|(recipe, whole)| Fitted {
+                whole,
+                folds: folds
+                    .par_iter()
+                    .map(|fold| {
+                        let base = fitting?.fit(&recipe, |k| fold.kept.contains(&k))?;
+                        Some(Arc::new(base))
+                    })
+                    .collect(),
+            })
+            .collect();
+        Contest {
+            all,
+            isotropic,
+            component,
+            bases,
+            folds,
+        }
+    }
+
+    /// Errors of one candidate in the folds between incidences, or in those beyond them; none where a base could not
+    /// be fitted to one of them.
+    fn tried(&self, candidate: Candidate, base: Option<usize>, beyond: bool) -> Option<Tried> {
+        let folds: Vec<usize> = (0..self.folds.len())
+            .filter(|&f| self.folds[f].beyond == beyond)
+            .collect();
+        let errors = folds.into_iter().map(|f| {
+            let base = match base {
+                Some(b) => Some(self.bases[b].folds[f].as_ref()?),
+                None => None,
+            };
+            let fold = &self.folds[f];
+            Some(error(self.all, fold, self.isotropic, self.component, candidate, base))
+        });
+        Some(Tried {
+            candidate,
+            base,
+            errors: errors.collect::<Option<Vec<_>>>()?,
+        })
+    }
+
+    /// Every candidate of `list` with every base it can use, and of the best ones the cubic.
+    pub(crate) fn run(&self, list: &[Candidate], cubic: bool, beyond: bool) -> Vec<Tried> {
+        let mut tried: Vec<Tried> = Vec::new();
+        for &candidate in list {
+            let bases: Vec<Option<usize>> = if candidate.method.needs_base() {
+                (0..self.bases.len()).map(Some).collect()
+            } else {
+                vec![None]
+            };
+            tried.extend(bases.into_iter().filter_map(|b| self.tried(candidate, b, beyond)));
+        }
+        if cubic {
+            let mut order: Vec<usize> = (0..tried.len()).filter(|&k| !tried[k].errors.is_empty()).collect();
+            order.sort_by(|&a, &b| tried[a].mean().total_cmp(&tried[b].mean()));
+            let more: Vec<Tried> = order
+                .iter()
+                .take(CUBIC)
+                .filter_map(|&k| self.tried(tried[k].candidate.with_cubic(), tried[k].base, beyond))
+                .collect();
+            tried.extend(more);
+        }
+        tried
+    }
+
+    /// The rule of what was tried.
+    pub(crate) fn rule(&self, tried: &Tried) -> Rule {
+        Rule {
+            candidate: tried.candidate,
+            base: tried.base.map(|b| Arc::clone(&self.bases[b].whole)),
+        }
+    }
+}
+
+/// The position of the best: the least mean error of those whose worst fold is not much worse than need be, the first of a
+/// tie. The first of all when there are no errors.
+pub(crate) fn best(tried: &[Tried]) -> usize {
+    let scored: Vec<usize> = (0..tried.len()).filter(|&k| !tried[k].errors.is_empty()).collect();
+    let worst = scored.iter().map(|&k| tried[k].worst()).fold(f64::INFINITY, f64::min);
+    let allowed: Vec<usize> = scored
+        .into_iter()
+        .filter(|&k| tried[k].worst() <= WORST * worst)
+        .collect();
+    let least = allowed.iter().map(|&k| tried[k].mean()).fold(f64::INFINITY, f64::min);
+    allowed
+        .into_iter()
+        .find(|&k| tried[k].mean() <= TIE * least)
+        .unwrap_or(0)
+}
