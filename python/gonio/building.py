@@ -12,7 +12,18 @@ COVERAGE = ("measured", "interpolated", "extrapolated", "missing")
 
 CANDIDATES = tuple(
     name + suffix
-    for name in ("base + half-vector", "base + mirror-frame", "base + cosine-shift", "mirror-frame", "naive")
+    for name in (
+        "model x half-vector",
+        "model x components",
+        "model x mirror-frame",
+        "model x cosine-shift",
+        "model x ratio",
+        "base + half-vector",
+        "base + mirror-frame",
+        "base + cosine-shift",
+        "mirror-frame",
+        "naive",
+    )
     for suffix in ("", ", cubic")
 )
 """Names of the interpolations over incidence."""

@@ -11,12 +11,15 @@ use crate::base::{Base, Fitting, Picked, Recipe, recipes, with_retro};
 use crate::choice::{Contest, best};
 use crate::data_driven::{BuildOptions, PartSummary};
 use crate::error::BuildError;
+use crate::hold_out::SliceError;
 use crate::incidence::Part;
 use crate::leave_one_out::{Held, LooError};
 use crate::node::{Node, Statistics};
 use crate::plane::from_plane;
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
+use crate::stated::PartErrors;
+use crate::unknowable;
 use crate::symmetry::{Incidence, SAME_THETA, half_measured, mirror_symmetric, polar};
 
 /// Fewest readings of a slice.
@@ -32,8 +35,9 @@ const HELD_READINGS: usize = 3000;
 /// Readings of an incidence that a base is fitted to.
 const FIT_READINGS: usize = 700;
 
-/// How many bases are tried across incidences.
+/// How many bases are tried across incidences, and how far behind the best one they may be (ratio of their errors).
 const BASES: usize = 2;
+const BEHIND: f64 = 2.0;
 
 /// A lobe about the incidence is kept when it brings the base closer to the readings by this factor.
 const RETRO_GAIN: f64 = 0.95;
@@ -41,6 +45,7 @@ const RETRO_GAIN: f64 = 0.95;
 /// A part and what is to be said of it.
 pub(crate) struct Built {
     pub(crate) part: Part,
+    pub(crate) errors: PartErrors,
     pub(crate) summary: PartSummary,
     pub(crate) loo: Vec<LooError>,
     pub(crate) notes: Vec<String>,
@@ -69,6 +74,28 @@ impl Pile {
     }
 }
 
+impl Pile {
+    /// Error of its mean slice between readings.
+    fn slice_error(&self, bilateral: bool) -> SliceError {
+        let each: Vec<SliceError> = self
+            .surfaces
+            .iter()
+            .zip(&self.readings)
+            .map(|(surface, r)| {
+                let omega = surface.solid_angles();
+                let weight: Vec<f64> = omega.iter().zip(&r.points).map(|(o, &p)| o * from_plane(p).z).collect();
+                SliceError::new(surface, &r.value, &weight)
+            })
+            .collect();
+        let n = each.len() as f64;
+        let views = if bilateral { 2.0 * n } else { n };
+        SliceError {
+            noise: each.iter().map(|e| e.noise).sum::<f64>() / n / views.sqrt(),
+            gap: each.iter().map(|e| e.gap).sum::<f64>() / n,
+        }
+    }
+}
+
 /// The part of light from `side` in `component`; `None` when there is no reading of it.
 pub(crate) fn part(
     slices: &[&Slice],
@@ -91,7 +118,7 @@ pub(crate) fn part(
         let readings = piles.par_iter().map(|p| p.picked(FIT_READINGS, |f, z| (f * z).cbrt().powi(2)));
         Fitting::new(component, directions.clone(), readings.collect())
     };
-    let bases = bases(&fitting, component, isotropic)?;
+    let bases = bases(&fitting, component, isotropic, &options.without)?;
     let base = bases.first().map(|(_, base)| Arc::clone(base));
     let base = base.as_ref();
 
@@ -122,6 +149,7 @@ pub(crate) fn part(
             }
         })
         .collect();
+    let slice_errors: Vec<SliceError> = piles.par_iter().map(|p| p.slice_error(bilateral)).collect();
     drop(piles);
     if all.len() == 1 {
         notes.push(format!(
@@ -137,7 +165,7 @@ pub(crate) fn part(
         .filter(|c| !c.method.needs_base() || !contest.bases.is_empty())
         .collect();
     let within = contest.run(&list, isotropic && options.candidate.is_none(), false);
-    let beyond = contest.run(&list, false, true);
+    let beyond = contest.beyond(&list);
     let Some(chosen) = within.get(best(&within)) else {
         return Err(BuildError::NoBase {
             side,
@@ -152,7 +180,7 @@ pub(crate) fn part(
             chosen.candidate
         ));
     }
-    let edge = beyond.get(best(&beyond)).filter(|t| !t.errors.is_empty()).unwrap_or(chosen);
+    let edge = beyond.as_ref().unwrap_or(chosen);
     let (rule, beyond_rule) = (contest.rule(chosen), contest.rule(edge));
     let loo = chosen.errors.clone();
     let mut scores: Vec<(Candidate, f64)> = Vec::new();
@@ -164,6 +192,15 @@ pub(crate) fn part(
         }
     }
     let plain = !rule.candidate.method.needs_base() || !beyond_rule.candidate.method.needs_base();
+    let errors = PartErrors::new(
+        &all,
+        slice_errors.clone(),
+        isotropic,
+        rule.candidate,
+        &contest.folds,
+        &chosen.errors,
+        beyond.as_ref().map_or(&[], |t| &t.errors),
+    );
     let nodes: Vec<Arc<Node>> = if plain && base.is_some() {
         all.iter().map(|h| Arc::new(h.node.with_bsdf())).collect()
     } else {
@@ -182,8 +219,11 @@ pub(crate) fn part(
         beyond_base: beyond_rule.base.as_ref().map(|b| b.name.clone()),
         scores,
     };
+    let part = Part::new(nodes, isotropic, rule, beyond_rule);
+    notes.extend(unknowable::notes(&format!("{side} {component}"), &all, &slice_errors, &part));
     Ok(Some(Built {
-        part: Part::new(nodes, isotropic, rule, beyond_rule),
+        part,
+        errors,
         summary,
         loo,
         notes,
@@ -195,13 +235,15 @@ fn bases(
     fitting: &Fitting,
     component: Component,
     isotropic: bool,
+    without: &[String],
 ) -> Result<Vec<(Recipe, Arc<Base>)>, BuildError> {
     let fitted = |recipe: Recipe| -> Option<(Recipe, Arc<Base>, f64)> {
         let base = fitting.fit(&recipe, |_| true)?;
         let error = fitting.error(&base, |_| true);
         error.is_finite().then(|| (recipe, Arc::new(base), error))
     };
-    let recipes = recipes(component, isotropic)?;
+    let mut recipes = recipes(component, isotropic)?;
+    recipes.retain(|r| r.model.parts.iter().all(|p| !without.iter().any(|w| w == p.info().name)));
     let mut found: Vec<_> = recipes.into_par_iter().filter_map(fitted).collect();
     found.sort_by(|a, b| a.2.total_cmp(&b.2));
     if component == Component::Reflection
@@ -211,6 +253,8 @@ fn bases(
     {
         found.insert(0, retro);
     }
+    let most = found.first().map_or(0.0, |f| BEHIND * f.2);
+    found.retain(|f| f.2 <= most);
     found.truncate(BASES);
     Ok(found.into_iter().map(|(recipe, base, _)| (recipe, base)).collect())
 }

@@ -8,6 +8,8 @@ use rayon::prelude::*;
 use crate::across::Candidate;
 use crate::base::{Base, Fitting, Recipe};
 use crate::incidence::Rule;
+use crate::node::Node;
+use crate::reciprocity::{self, RECIPROCAL};
 use crate::leave_one_out::{Fold, Held, LooError, error, folds};
 
 /// A candidate whose worst fold is worse than this factor times the least worst fold is not chosen.
@@ -15,6 +17,9 @@ const WORST: f64 = 1.5;
 
 /// Candidates whose mean errors lie closer than this ratio are tied; the first in order is taken.
 const TIE: f64 = 1.01;
+
+/// Exchange of source and receiver is used where it lowers the error by this factor.
+const GAIN: f64 = 0.95;
 
 /// How many of the linear candidates are tried with a cubic too.
 const CUBIC: usize = 2;
@@ -40,6 +45,8 @@ pub(crate) struct Contest<'a> {
 pub(crate) struct Tried {
     pub(crate) candidate: Candidate,
     base: Option<usize>,
+    /// Whether source and receiver are exchanged past the measured incidences.
+    pub(crate) exchange: bool,
     pub(crate) errors: Vec<LooError>,
 }
 
@@ -88,7 +95,13 @@ impl<'a> Contest<'a> {
 
     /// Errors of one candidate in the folds between incidences, or in those beyond them; none where a base could not
     /// be fitted to one of them.
-    fn tried(&self, candidate: Candidate, base: Option<usize>, beyond: bool) -> Option<Tried> {
+    fn tried(
+        &self,
+        candidate: Candidate,
+        base: Option<usize>,
+        beyond: bool,
+        exchange: bool,
+    ) -> Option<Tried> {
         let folds: Vec<usize> = (0..self.folds.len())
             .filter(|&f| self.folds[f].beyond == beyond)
             .collect();
@@ -98,11 +111,12 @@ impl<'a> Contest<'a> {
                 None => None,
             };
             let fold = &self.folds[f];
-            Some(error(self.all, fold, self.isotropic, self.component, candidate, base))
+            Some(error(self.all, fold, self.isotropic, self.component, candidate, base, exchange))
         });
         Some(Tried {
             candidate,
             base,
+            exchange,
             errors: errors.collect::<Option<Vec<_>>>()?,
         })
     }
@@ -116,7 +130,7 @@ impl<'a> Contest<'a> {
             } else {
                 vec![None]
             };
-            tried.extend(bases.into_iter().filter_map(|b| self.tried(candidate, b, beyond)));
+            tried.extend(bases.into_iter().filter_map(|b| self.tried(candidate, b, beyond, false)));
         }
         if cubic {
             let mut order: Vec<usize> = (0..tried.len()).filter(|&k| !tried[k].errors.is_empty()).collect();
@@ -124,7 +138,7 @@ impl<'a> Contest<'a> {
             let more: Vec<Tried> = order
                 .iter()
                 .take(CUBIC)
-                .filter_map(|&k| self.tried(tried[k].candidate.with_cubic(), tried[k].base, beyond))
+                .filter_map(|&k| self.tried(tried[k].candidate.with_cubic(), tried[k].base, beyond, false))
                 .collect();
             tried.extend(more);
         }
@@ -136,7 +150,27 @@ impl<'a> Contest<'a> {
         Rule {
             candidate: tried.candidate,
             base: tried.base.map(|b| Arc::clone(&self.bases[b].whole)),
+            exchange: tried.exchange,
         }
+    }
+
+    /// The rule past the measured incidences: the best of `list`, with source and receiver exchanged where the slices
+    /// agree under exchange and the error at the edge is less so. `None` when no incidence can be left out there.
+    pub(crate) fn beyond(&self, list: &[Candidate]) -> Option<Tried> {
+        let mut tried = self.run(list, false, true);
+        let first = best(&tried);
+        if tried.get(first)?.errors.is_empty() {
+            return None;
+        }
+        let direct = tried.swap_remove(first);
+        let nodes: Vec<&Node> = self.all.iter().map(|h| &*h.node).collect();
+        let agree = self.component == Component::Reflection
+            && reciprocity::score(&nodes, self.isotropic).is_some_and(|s| s <= RECIPROCAL);
+        let exchanged = agree.then(|| self.tried(direct.candidate, direct.base, true, true)).flatten();
+        Some(match exchanged {
+            Some(e) if e.mean() < GAIN * direct.mean() => e,
+            _ => direct,
+        })
     }
 }
 

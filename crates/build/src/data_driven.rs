@@ -11,6 +11,7 @@ use crate::error::BuildError;
 use crate::incidence::Part;
 use crate::leave_one_out::LooError;
 use crate::slice_surface::Coverage;
+use crate::stated::{PartErrors, StatedError};
 use crate::symmetry::{self, SymmetryChoice};
 
 /// Fewest distinct incidences a model is built from.
@@ -27,6 +28,8 @@ pub struct BuildOptions {
     pub smooth: bool,
     /// The interpolation over incidence; `None` chooses by leave-one-incidence-out error.
     pub candidate: Option<Candidate>,
+    /// Analytic models (names of the registry) that no parametric base may contain.
+    pub without: Vec<String>,
 }
 
 impl Default for BuildOptions {
@@ -36,6 +39,7 @@ impl Default for BuildOptions {
             symmetry: SymmetryChoice::Auto,
             smooth: true,
             candidate: None,
+            without: Vec::new(),
         }
     }
 }
@@ -78,6 +82,7 @@ pub struct DataDriven {
     isotropic: bool,
     energy_conserving: bool,
     parts: FourComponents<Part>,
+    errors: FourComponents<PartErrors>,
     caps: [Option<Cap>; 2],
     loo: Vec<LooError>,
     summary: Vec<PartSummary>,
@@ -106,6 +111,7 @@ impl DataDriven {
             isotropic: azimuth.isotropic,
             energy_conserving: true,
             parts: FourComponents::default(),
+            errors: FourComponents::default(),
             caps: [None, None],
             loo: Vec::new(),
             summary: Vec::new(),
@@ -116,6 +122,7 @@ impl DataDriven {
             let built = builder::part(&slices, side, component, azimuth.isotropic, options)?;
             let Some(Built {
                 part,
+                errors,
                 summary,
                 loo,
                 notes,
@@ -131,6 +138,7 @@ impl DataDriven {
             model.loo.extend(loo);
             model.summary.push(summary);
             model.parts.set(side, component, Some(part));
+            model.errors.set(side, component, Some(errors));
         }
         if most < LEAST_INCIDENCES {
             return Err(BuildError::TooFewIncidences {
@@ -176,6 +184,13 @@ impl DataDriven {
     /// Error of predicting each interior incidence from the others, every component.
     pub fn loo(&self) -> &[LooError] {
         &self.loo
+    }
+
+    /// The error the model states for light from `wi` into `component`; `None` where that was not measured.
+    pub fn stated_error(&self, wi: Direction, component: Component) -> Option<StatedError> {
+        let part = self.parts.get(wi.side(), component)?;
+        let errors = self.errors.get(wi.side(), component)?;
+        Some(errors.at(part.layout(), up(wi)))
     }
 
     /// How each side and component was built.

@@ -10,6 +10,7 @@ use crate::across::{Candidate, Counterpart, Frame, MOST_TERMS, Query, View};
 use crate::base::Base;
 use crate::layout::{Layout, Near, Neighbour};
 use crate::node::Node;
+use crate::reciprocity;
 use crate::slice_surface::Coverage;
 
 /// A counterpart this low (cosine) or lower begins to lose weight: it leaves through the horizon of its slice.
@@ -27,6 +28,8 @@ pub(crate) struct Rule {
     pub(crate) candidate: Candidate,
     /// Used by those that need one.
     pub(crate) base: Option<Arc<Base>>,
+    /// Past the measured incidences, whether source and receiver are exchanged where that was read.
+    pub(crate) exchange: bool,
 }
 
 /// The incidences of one side and component, interpolated.
@@ -60,12 +63,36 @@ impl Part {
         self.layout.distance(i)
     }
 
+
     /// BSDF for local directions on the upper hemisphere, 1/sr, not negative.
     #[inline]
     pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
         let (i, s) = self.layout.frame(i, s);
         let near = self.layout.near(i);
-        let rule = if near.beyond { &self.beyond } else { &self.within };
+        if !near.beyond {
+            return self.by(&self.within, &near, i, s);
+        }
+        let direct = self.by(&self.beyond, &near, i, s);
+        if !self.beyond.exchange {
+            return direct;
+        }
+        let weight = reciprocity::weight(self.layout.past(i), self.layout.past(s));
+        match self.exchanged(s, i) {
+            Some(value) => weight * value + (1.0 - weight) * direct,
+            None => direct,
+        }
+    }
+
+    /// The value at the pair `(i, s)`, where `i` lies between measured incidences and readings surround what it is made of.
+    fn exchanged(&self, i: DVec3, s: DVec3) -> Option<f64> {
+        let (i, s) = self.layout.frame(i, s);
+        let near = self.layout.near(i);
+        (near.inside && self.seen(&self.within, &near, i, s)).then(|| self.by(&self.within, &near, i, s))
+    }
+
+    /// The value by `rule` from the slices `near`, both directions in their frame.
+    #[inline]
+    fn by(&self, rule: &Rule, near: &Near, i: DVec3, s: DVec3) -> f64 {
         let query = Query {
             i,
             s,
@@ -73,7 +100,8 @@ impl Part {
         };
         let way = rule.candidate.way();
         let mut terms = [0.0; MOST_TERMS];
-        let stencil = rule.candidate.cubic.then(|| self.layout.stencil(i)).flatten();
+        let several = near.iter().count() > 1;
+        let stencil = (rule.candidate.cubic && several).then(|| self.layout.stencil(i)).flatten();
         for (term, &frame) in way.frames().iter().enumerate() {
             let read = |k: &Neighbour, frame: Frame| {
                 let view = View {
@@ -99,8 +127,8 @@ impl Part {
             });
             terms[term] = match cubic {
                 Some((value, 1.0)) => value,
-                Some((value, v)) if v > 0.0 => v * value + (1.0 - v) * linear(&near, frame, read),
-                _ => linear(&near, frame, read),
+                Some((value, v)) if v > 0.0 => v * value + (1.0 - v) * linear(near, frame, read),
+                _ => linear(near, frame, read),
             };
         }
         way.join(&query, &terms).max(0.0)
@@ -111,19 +139,36 @@ impl Part {
         let (i, s) = self.layout.frame(i, s);
         let near = self.layout.near(i);
         let rule = if near.beyond { &self.beyond } else { &self.within };
-        let frames = rule.candidate.way().frames();
-        let frame = frames.iter().copied().find(|f| *f != Frame::Still).unwrap_or(Frame::Still);
-        let seen = near.iter().filter(|k| k.weight > 1e-9).all(|k| {
-            let node = &*self.nodes[k.node];
-            let at = frame.counterpart(i, s, k.turn(node.direction));
-            at.direction.z > 0.0 && node.measured(k.turn(at.direction))
-        });
         let at_node = self.layout.distance(i) <= SAME_INCIDENCE;
-        match (seen, at_node, near.inside) {
+        match (self.seen(rule, &near, i, s), at_node, near.inside) {
             (true, true, _) => Coverage::Measured,
             (true, false, true) => Coverage::Interpolated,
             _ => Coverage::Extrapolated,
         }
+    }
+
+    /// Whether readings surround the counterparts of a query in all slices `near`.
+    fn seen(&self, rule: &Rule, near: &Near, i: DVec3, s: DVec3) -> bool {
+        let frames = rule.candidate.way().frames();
+        let frame = frames.iter().copied().find(|f| *f != Frame::Still).unwrap_or(Frame::Still);
+        near.iter().filter(|k| k.weight > 1e-9).all(|k| {
+            let node = &*self.nodes[k.node];
+            let at = frame.counterpart(i, s, k.turn(node.direction));
+            at.direction.z > 0.0 && node.measured(k.turn(at.direction))
+        })
+    }
+
+    /// What slice `k` alone predicts; `None` where it was not read there.
+    pub(crate) fn alone(&self, k: usize, i: DVec3, s: DVec3) -> Option<f64> {
+        let (i, s) = self.layout.frame(i, s);
+        let near = Near::alone(k);
+        self.seen(&self.within, &near, i, s)
+            .then(|| self.by(&self.within, &near, i, s))
+    }
+
+    /// How the measured incidences lie.
+    pub(crate) fn layout(&self) -> &Layout {
+        &self.layout
     }
 }
 

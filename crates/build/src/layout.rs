@@ -88,6 +88,11 @@ impl Near {
         }
     }
 
+    /// One node alone.
+    pub(crate) fn alone(node: usize) -> Self {
+        Near::of(&[(node, 1.0)], true)
+    }
+
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Neighbour> {
         self.list[..self.count].iter()
     }
@@ -139,6 +144,47 @@ impl Layout {
             Layout::Isotropic(thetas) => vec![thetas.len() - 1],
             Layout::Anisotropic(a) => a.hull.clone(),
         }
+    }
+
+    /// Incidences next to one another, each pair once.
+    pub(crate) fn pairs(&self) -> Vec<(usize, usize)> {
+        match self {
+            Layout::Isotropic(thetas) => (1..thetas.len()).map(|k| (k - 1, k)).collect(),
+            Layout::Anisotropic(Triangulated { mesh: Some(mesh), .. }) => {
+                let mut pairs: Vec<(usize, usize)> = mesh
+                    .triangles()
+                    .iter()
+                    .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])])
+                    .map(|(a, b)| (a.min(b) as usize, a.max(b) as usize))
+                    .collect();
+                pairs.sort_unstable();
+                pairs.dedup();
+                pairs
+            }
+            Layout::Anisotropic(_) => Vec::new(),
+        }
+    }
+
+    /// How far an incidence (in the frame of the slices) lies past the last one, or outside the hull; radians.
+    pub(crate) fn past(&self, i: DVec3) -> f64 {
+        match self {
+            Layout::Isotropic(thetas) => thetas.last().map_or(0.0, |last| (polar(i) - last).max(0.0)),
+            Layout::Anisotropic(_) if self.near(i).inside => 0.0,
+            Layout::Anisotropic(_) => self.distance(i),
+        }
+    }
+
+    /// Square distance of an incidence to its neighbours, each by its weight: what the error of linear interpolation
+    /// goes with; radians squared.
+    pub(crate) fn spread(&self, i: DVec3) -> f64 {
+        let square = |node: usize, turned: bool| match self {
+            Layout::Isotropic(thetas) => {
+                let at = if turned { -thetas[node] } else { thetas[node] };
+                (at - polar(i)).powi(2)
+            }
+            Layout::Anisotropic(a) => a.directions[node].dot(i).clamp(-1.0, 1.0).acos().powi(2),
+        };
+        self.near(i).iter().map(|k| k.weight * square(k.node, k.turned)).sum()
     }
 
     /// The polar angle of an incidence and those around it; `None` in anisotropic layout, and past the data.

@@ -99,11 +99,13 @@ pub(crate) fn error(
     component: Component,
     candidate: Candidate,
     base: Option<&Arc<Base>>,
+    exchange: bool,
 ) -> LooError {
     let nodes: Vec<Arc<Node>> = fold.kept.iter().map(|&k| Arc::clone(&all[k].node)).collect();
     let rule = Rule {
         candidate,
         base: base.cloned(),
+        exchange,
     };
     let part = Part::new(nodes, isotropic, rule.clone(), rule);
     let held = &all[fold.left_out];

@@ -4,14 +4,18 @@ mod base;
 mod builder;
 mod choice;
 mod energy;
+mod hold_out;
 mod incidence;
 mod layout;
 mod mesh;
 mod node;
 mod plane;
 mod readings;
+mod reciprocity;
 mod smoothing;
+mod stated;
 mod table;
+mod unknowable;
 
 pub mod across;
 pub mod channels;
@@ -29,5 +33,6 @@ pub use data_driven::{BuildOptions, DataDriven, PartSummary};
 pub use error::BuildError;
 pub use leave_one_out::LooError;
 pub use slice_surface::Coverage;
+pub use stated::StatedError;
 pub use symmetry::SymmetryChoice;
 

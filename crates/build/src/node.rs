@@ -20,7 +20,7 @@ const LEVEL_QUANTILE: f64 = 0.05;
 const TABLE_ERROR: f64 = 1e-3;
 
 /// The same as a fraction of the relative noise of a reading: detail below it is not worth a finer grid.
-const TABLE_NOISE: f64 = 0.4;
+const TABLE_NOISE: f64 = 0.8;
 
 /// Error of the resampled slice that does not matter, as a fraction of its mean BSDF.
 const TABLE_FLOOR: f64 = 1e-3;
@@ -110,14 +110,14 @@ impl Node {
         }
         let relative = TABLE_ERROR.max(TABLE_NOISE * statistics.relative_noise);
         let floor = TABLE_FLOOR * statistics.mean;
-        let accuracy = Accuracy {
-            relative,
-            floor: |p: Point| match base {
-                Some(base) => floor / base.eval(direction, from_plane(p)),
-                None => floor,
-            },
+        let accuracy = match base {
+            Some(base) => Accuracy::of_points(relative, |points| {
+                let level = base.eval_all(direction, points.iter().map(|&p| from_plane(p)));
+                level.into_iter().map(|m| floor / m).collect()
+            }),
+            None => Accuracy::even(relative, floor),
         };
-        let ratio = Table::new(|p| at(p).0, &density, accuracy);
+        let ratio = Table::new(|p| at(p).0, &density, &accuracy);
         let mask = (0..MASK_CELLS * MASK_CELLS)
             .map(|k| {
                 let centre = |i: usize| 2.0 * (i as f64 + 0.5) / MASK_CELLS as f64 - 1.0;
@@ -142,14 +142,11 @@ impl Node {
 
     /// The same with the BSDF resampled too, so that it is one look-up away.
     pub(crate) fn with_bsdf(&self) -> Self {
-        let accuracy = Accuracy {
-            relative: self.relative,
-            floor: |_| TABLE_FLOOR * self.mean,
-        };
+        let accuracy = Accuracy::even(self.relative, TABLE_FLOOR * self.mean);
         let bsdf = self
             .base
             .as_ref()
-            .map(|_| Table::new(|p| self.value(from_plane(p)), &self.density, accuracy));
+            .map(|_| Table::new(|p| self.value(from_plane(p)), &self.density, &accuracy));
         Node {
             incidence: self.incidence,
             direction: self.direction,

@@ -61,6 +61,8 @@ pub(crate) struct SliceSurface {
     /// What is linear in every triangle, at the vertices: readings first, then the rim. The BSDF, or its ratio to
     /// `base`.
     values: Vec<f64>,
+    /// Noise left in the values of the readings, standard deviation.
+    noise: Vec<f64>,
     /// The base and the local incidence.
     base: Option<(Arc<Base>, DVec3)>,
     readings: usize,
@@ -91,6 +93,7 @@ impl SliceSurface {
         let mesh = Mesh::new(points)?;
         let mut surface = SliceSurface {
             values: vec![0.0; count + RIM],
+            noise: vec![0.0; count],
             mesh,
             base: None,
             readings: count,
@@ -107,23 +110,19 @@ impl SliceSurface {
     pub(crate) fn fill(&mut self, readings: &Readings, smoothed: bool, base: Option<(Arc<Base>, DVec3)>) {
         let count = self.readings;
         let divided = base.as_ref().map(|(base, i)| {
-            let level: Vec<f64> = readings
-                .points
-                .par_iter()
-                .with_min_len(256)
-                .map(|&p| base.eval(*i, from_plane(p)))
-                .collect();
+            let level = base.eval_all(*i, readings.points.iter().map(|&p| from_plane(p)));
             let over = |v: &[f64]| v.iter().zip(&level).map(|(v, m)| v / m).collect::<Vec<f64>>();
             (over(&readings.value), over(&readings.sigma))
         });
         let (value, sigma) = divided
             .as_ref()
             .map_or((&readings.value, &readings.sigma), |(v, u)| (v, u));
-        let mut values = if smoothed {
-            smooth(&self.mesh, value, sigma)
+        let (mut values, noise) = if smoothed {
+            smooth(&self.mesh, value, sigma).into_iter().unzip()
         } else {
-            value.clone()
+            (value.clone(), sigma.clone())
         };
+        self.noise = noise;
         let rim: Vec<f64> = self.mesh.points()[count..]
             .par_iter()
             .map(|&p| rim_value(p, &readings.points, &values))
@@ -173,6 +172,16 @@ impl SliceSurface {
             }
         }
         omega
+    }
+
+    /// The mesh.
+    pub(crate) fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// What is linear in every triangle, at reading `j`, and the noise left in it.
+    pub(crate) fn ratio_of(&self, j: usize) -> (f64, f64) {
+        (self.values[j], self.noise[j])
     }
 
     /// Points of the readings.

@@ -18,8 +18,9 @@ const STEPS: [bool; 3] = [false, true, true];
 const EXCESS: f64 = 2.0;
 
 /// `values` of the first `sigma.len()` vertices of `mesh` smoothed within their noise `sigma` (standard deviation,
-/// same unit). Later vertices take no part. A `sigma` that is not positive and finite leaves its value as it is.
-pub(crate) fn smooth(mesh: &Mesh, values: &[f64], sigma: &[f64]) -> Vec<f64> {
+/// same unit), each with the noise that is left. Later vertices take no part. A `sigma` that is not positive and finite
+/// leaves its value as it is, of noise 0.
+pub(crate) fn smooth(mesh: &Mesh, values: &[f64], sigma: &[f64]) -> Vec<(f64, f64)> {
     let neighbours = mesh.adjacency();
     (0..sigma.len())
         .into_par_iter()
@@ -32,6 +33,9 @@ pub(crate) fn smooth(mesh: &Mesh, values: &[f64], sigma: &[f64]) -> Vec<f64> {
 #[derive(Default)]
 struct Workspace {
     members: Vec<u32>,
+    /// The round in which a vertex became a member last.
+    joined: Vec<u32>,
+    round: u32,
 }
 
 impl Workspace {
@@ -42,10 +46,10 @@ impl Workspace {
         values: &[f64],
         sigma: &[f64],
         k: usize,
-    ) -> f64 {
+    ) -> (f64, f64) {
         let noisy = |j: usize| j < sigma.len() && sigma[j] > 0.0 && sigma[j].is_finite();
         if !noisy(k) {
-            return values[k];
+            return (values[k], 0.0);
         }
         let origin = mesh.points()[k];
         let offset = |j: u32| {
@@ -59,18 +63,22 @@ impl Workspace {
             .map(|&j| offset(j).map(f64::abs).into_iter().fold(0.0, f64::max))
             .fold(0.0, f64::max);
         if scale <= 0.0 {
-            return values[k];
+            return (values[k], sigma[k]);
         }
         self.members.clear();
         self.members.push(k as u32);
+        self.joined.resize(sigma.len(), 0);
+        self.round += 1;
+        self.joined[k] = self.round;
         let mut fit = Fit::default();
         fit.add([0.0, 0.0], 0.0, sigma[k]);
-        let (mut outer, mut best) = (0, values[k]);
+        let (mut outer, mut best) = (0, (values[k], sigma[k]));
         for quadratic in STEPS {
             let end = self.members.len();
             for m in outer..end {
                 for &j in neighbours.of(self.members[m] as usize) {
-                    if noisy(j as usize) && !self.members.contains(&j) {
+                    if noisy(j as usize) && self.joined[j as usize] != self.round {
+                        self.joined[j as usize] = self.round;
                         self.members.push(j);
                         let at = offset(j).map(|x| x / scale);
                         fit.add(at, values[j as usize] - values[k], sigma[j as usize]);
@@ -78,8 +86,8 @@ impl Workspace {
                 }
             }
             outer = end;
-            if let Some(value) = fit.consistent_value(quadratic) {
-                best = values[k] + value;
+            if let Some((value, variance)) = fit.consistent_value(quadratic) {
+                best = (values[k] + value, variance.sqrt());
             }
         }
         best
@@ -110,22 +118,23 @@ impl Fit {
         self.count += 1;
     }
 
-    /// The polynomial's value at the origin; `None` when the readings do not determine it or scatter about it by
+    /// The polynomial's value at the origin and its variance; `None` when the readings do not determine it or scatter about it by
     /// more than their noise.
-    fn consistent_value(&self, quadratic: bool) -> Option<f64> {
+    fn consistent_value(&self, quadratic: bool) -> Option<(f64, f64)> {
         let n = if quadratic { 6 } else { 3 };
         if self.count < n + 2 {
             return None;
         }
-        let solution = cholesky_solve(self.normal, self.right, n)?;
+        let (solution, variance) = cholesky_solve(self.normal, self.right, n)?;
         let explained: f64 = (0..n).map(|a| solution[a] * self.right[a]).sum();
         let (chi2, dof) = (self.sum_of_squares - explained, (self.count - n) as f64);
-        (chi2 <= dof + EXCESS * (2.0 * dof).sqrt()).then_some(solution[0])
+        (chi2 <= dof + EXCESS * (2.0 * dof).sqrt()).then_some((solution[0], variance))
     }
 }
 
-/// Solves `a x = b` for a symmetric positive matrix given by its lower triangle; `None` when it is (nearly) singular.
-fn cholesky_solve(mut a: [[f64; 6]; 6], mut b: [f64; 6], n: usize) -> Option<[f64; 6]> {
+/// Solves `a x = b` for a symmetric positive matrix given by its lower triangle, and the first element of the inverse;
+/// `None` when it is (nearly) singular.
+fn cholesky_solve(mut a: [[f64; 6]; 6], mut b: [f64; 6], n: usize) -> Option<([f64; 6], f64)> {
     for i in 0..n {
         let diagonal = a[i][i];
         for j in 0..=i {
@@ -141,11 +150,15 @@ fn cholesky_solve(mut a: [[f64; 6]; 6], mut b: [f64; 6], n: usize) -> Option<[f6
             }
         }
     }
+    let mut first = [0.0; 6];
     for i in 0..n {
+        first[i] = if i == 0 { 1.0 } else { 0.0 };
         for k in 0..i {
             b[i] -= a[i][k] * b[k];
+            first[i] -= a[i][k] * first[k];
         }
         b[i] /= a[i][i];
+        first[i] /= a[i][i];
     }
     for i in (0..n).rev() {
         for k in i + 1..n {
@@ -153,7 +166,7 @@ fn cholesky_solve(mut a: [[f64; 6]; 6], mut b: [f64; 6], n: usize) -> Option<[f6
         }
         b[i] /= a[i][i];
     }
-    Some(b)
+    Some((b, first.iter().map(|x| x * x).sum()))
 }
 
 #[cfg(test)]
@@ -204,8 +217,10 @@ mod tests {
             .collect();
         let smoothed = smooth(&mesh, &noisy, &vec![0.01; 1600]);
         let inside = |k: &usize| mesh.points()[*k].iter().all(|x| x.abs() < 0.4);
-        let left = rms((0..1600).filter(inside).map(|k| smoothed[k] - truth[k]));
+        let left = rms((0..1600).filter(inside).map(|k| smoothed[k].0 - truth[k]));
         assert!(left < 0.005, "{left}");
+        let stated = rms((0..1600).filter(inside).map(|k| smoothed[k].1));
+        assert!((stated / left - 1.0).abs() < 0.15, "{stated} {left}");
     }
 
     #[test]
@@ -214,7 +229,7 @@ mod tests {
         let peak = |p: &[f64; 2]| 1.0 + 10.0 * (-(p[0] * p[0] + p[1] * p[1]) / 0.03f64.powi(2)).exp();
         let values: Vec<f64> = mesh.points().iter().map(peak).collect();
         let smoothed = smooth(&mesh, &values, &vec![0.01; 1600]);
-        for (a, b) in smoothed.iter().zip(&values) {
+        for ((a, _), b) in smoothed.iter().zip(&values) {
             assert!((a - b).abs() < 0.03, "{a} {b}");
         }
     }
@@ -223,6 +238,7 @@ mod tests {
     fn readings_without_a_stated_noise_stay_as_read() {
         let mesh = grid(10);
         let values = normals(100);
-        assert_eq!(smooth(&mesh, &values, &[0.0; 100]), values);
+        let smoothed: Vec<f64> = smooth(&mesh, &values, &[0.0; 100]).into_iter().map(|v| v.0).collect();
+        assert_eq!(smoothed, values);
     }
 }

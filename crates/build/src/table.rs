@@ -16,12 +16,38 @@ const FINEST: usize = 256;
 /// Points along each side of a cell at which the floor is asked for.
 const FLOOR_POINTS: usize = 4;
 
-/// The bilinear error at which the refinement of a cell stops: `relative` times the value plus `floor`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Accuracy<F> {
+/// The bilinear error at which the refinement of a cell stops: `relative` times the value plus its floor.
+#[derive(Clone, Debug)]
+pub(crate) struct Accuracy {
     pub(crate) relative: f64,
-    /// By the point; the least of a cell counts.
-    pub(crate) floor: F,
+    floors: Vec<f64>,
+}
+
+impl Accuracy {
+    /// The same floor in every cell.
+    pub(crate) fn even(relative: f64, floor: f64) -> Self {
+        Accuracy {
+            relative,
+            floors: vec![floor; CELLS * CELLS],
+        }
+    }
+
+    /// In every cell the least floor of a few points; `floor` takes all points at once.
+    pub(crate) fn of_points(relative: f64, floor: impl FnOnce(&[Point]) -> Vec<f64>) -> Self {
+        let n = FLOOR_POINTS;
+        let width = 2.0 / (CELLS * n) as f64;
+        let mut points = Vec::with_capacity(CELLS * CELLS * n * n);
+        for k in 0..CELLS * CELLS {
+            let at = |cell: usize, j: usize| width * ((cell * n + j) as f64 + 0.5) - 1.0;
+            points.extend((0..n * n).map(|j| into_disk([at(k % CELLS, j % n), at(k / CELLS, j / n)], 1.0)));
+        }
+        let floors = floor(&points);
+        let least = |c: &[f64]| c.iter().copied().fold(f64::INFINITY, f64::min);
+        Accuracy {
+            relative,
+            floors: floors.chunks(n * n).map(least).collect(),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,18 +66,14 @@ pub(crate) struct Table {
 
 impl Table {
     /// Resamples `surface`. `density` are the points of the readings: they say where detail can be.
-    pub(crate) fn new(
-        surface: impl Fn(Point) -> f64 + Sync,
-        density: &[Point],
-        accuracy: Accuracy<impl Fn(Point) -> f64 + Sync>,
-    ) -> Self {
+    pub(crate) fn new(surface: impl Fn(Point) -> f64 + Sync, density: &[Point], accuracy: &Accuracy) -> Self {
         let mut counts = vec![0usize; CELLS * CELLS];
         for p in density {
             counts[cell_of(*p).0] += 1;
         }
         let grids: Vec<(usize, Vec<f32>)> = (0..CELLS * CELLS)
             .into_par_iter()
-            .map(|k| resample(&surface, k, counts[k], accuracy.relative, &accuracy.floor))
+            .map(|k| resample(&surface, k, counts[k], accuracy.relative, accuracy.floors[k]))
             .collect();
         let mut table = Table {
             cells: Vec::with_capacity(grids.len()),
@@ -107,20 +129,13 @@ fn resample(
     k: usize,
     readings: usize,
     relative: f64,
-    floor: &impl Fn(Point) -> f64,
+    floor: f64,
 ) -> (usize, Vec<f32>) {
     let width = 2.0 / CELLS as f64;
     let corner = [(k % CELLS) as f64 * width - 1.0, (k / CELLS) as f64 * width - 1.0];
     let nearest = |low: f64| 0f64.clamp(low, low + width);
     if nearest(corner[0]).hypot(nearest(corner[1])) > 1.0 {
         return (0, Vec::new());
-    }
-    let mut least = f64::INFINITY;
-    for j in 0..FLOOR_POINTS {
-        for i in 0..FLOOR_POINTS {
-            let at = |k: usize| width * (k as f64 + 0.5) / FLOOR_POINTS as f64;
-            least = least.min(floor(into_disk([corner[0] + at(i), corner[1] + at(j)], 1.0)));
-        }
     }
     let sample = |n: usize| -> Vec<f64> {
         let mut values = Vec::with_capacity((n + 1) * (n + 1));
@@ -141,7 +156,7 @@ fn resample(
     let mut values = sample(n);
     while n < finest {
         let fine = sample(2 * n);
-        let good = bilinear_error_is_small(&values, &fine, n, relative, least);
+        let good = bilinear_error_is_small(&values, &fine, n, relative, floor);
         if good {
             break;
         }
@@ -172,10 +187,9 @@ fn bilinear_error_is_small(coarse: &[f64], fine: &[f64], n: usize, relative: f64
 mod tests {
     use super::*;
 
-    const FINE: Accuracy<fn(Point) -> f64> = Accuracy {
-        relative: 1e-3,
-        floor: |_| 1e-4,
-    };
+    fn fine() -> Accuracy {
+        Accuracy::even(1e-3, 1e-4)
+    }
 
     fn spiral(n: usize) -> impl Iterator<Item = Point> {
         let golden = std::f64::consts::PI * (1.0 + 5f64.sqrt());
@@ -190,7 +204,7 @@ mod tests {
         let width = 0.01; // 1.15 degrees
         let lobe = |p: Point| 0.1 + 100.0 * (-((p[0] - 0.3).powi(2) + p[1].powi(2)) / (width * width)).exp();
         let dense: Vec<Point> = spiral(80_000).map(|p| [0.3 + 0.1 * p[0], 0.1 * p[1]]).collect();
-        let table = Table::new(lobe, &dense, FINE);
+        let table = Table::new(lobe, &dense, &fine());
         let worst = spiral(50_000)
             .map(|p| [0.3 + 0.05 * p[0], 0.05 * p[1]])
             .map(|p| (table.value(p) / lobe(p) - 1.0).abs())
@@ -201,7 +215,7 @@ mod tests {
     #[test]
     fn a_bilinear_function_needs_the_coarsest_sub_grids_only() {
         let plane = |p: Point| 1.0 + 0.5 * p[0] - 0.2 * p[1];
-        let table = Table::new(plane, &[], FINE);
+        let table = Table::new(plane, &[], &fine());
         assert!(table.len() <= CELLS * CELLS * 9);
         for p in spiral(1000) {
             assert!((table.value(p) - plane(p)).abs() < 1e-6);
@@ -210,7 +224,7 @@ mod tests {
 
     #[test]
     fn points_outside_the_disk_answer_as_on_the_horizon() {
-        let table = Table::new(|p| p[0], &[], FINE);
+        let table = Table::new(|p| p[0], &[], &fine());
         assert!((table.value([2.0, 0.0]) - 1.0).abs() < 1e-3);
     }
 }

@@ -96,8 +96,10 @@ pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>
         estimates,
     };
     fit.aicc = report::aicc(&fit, &data);
-    fit.albedo = albedo::largest(&fit, &data.incidences);
-    fit.warnings = warnings::of(&fit, &data, &setting);
+    if options.warnings {
+        fit.albedo = albedo::largest(&fit, &data.incidences);
+        fit.warnings = warnings::of(&fit, &data, &setting);
+    }
     Ok(fit)
 }
 

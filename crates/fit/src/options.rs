@@ -26,6 +26,8 @@ pub struct FitOptions<'a> {
     pub compare: Vec<Metric>,
     /// Whether intervals are taken from the profile of the cost where the quadratic ones are wrong.
     pub profile: bool,
+    /// Whether the result is examined for warnings, by quadrature among others.
+    pub warnings: bool,
     /// Readings that the search for a starting point looks at.
     pub start_readings: usize,
     /// Set it from another thread to stop.
@@ -44,6 +46,7 @@ impl Default for FitOptions<'_> {
             fixed: Vec::new(),
             compare: vec![Metric::CubeRoot],
             profile: true,
+            warnings: true,
             start_readings: 4000,
             cancel: None,
         }

@@ -84,7 +84,9 @@ impl Raise for BuildError {
     fn raise(self) -> PyErr {
         match self {
             BuildError::Channel { .. } => QuantityError::new_err(self.to_string()),
-            BuildError::Columns { .. } => DomainError::new_err(self.to_string()),
+            BuildError::Columns { .. } | BuildError::NoBase { .. } | BuildError::Bsdf(_) => {
+                DomainError::new_err(self.to_string())
+            }
             BuildError::TooFewIncidences { .. } | BuildError::Readings { .. } => {
                 FitError::new_err(self.to_string())
             }

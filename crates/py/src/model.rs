@@ -150,6 +150,7 @@ fn build(
         },
         smooth,
         candidate: candidate.map(candidate_of).transpose()?,
+        ..core::BuildOptions::default()
     };
     let data = Arc::clone(&measurement.0);
     let model = Arc::new(

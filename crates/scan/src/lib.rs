@@ -33,7 +33,7 @@ mod weigh;
 
 pub use alignment::{Alignment, Peak, align, correct_alignment};
 pub use beam::{Beam, beam_power};
-pub use check::{CheckOptions, check, reciprocity, repeatability};
+pub use check::{CheckOptions, CopyPair, check, copies, reciprocity, repeatability};
 pub use dark::{DarkMethod, DarkOptions, DarkSummary};
 pub use error::ScanError;
 pub use flags::Flags;

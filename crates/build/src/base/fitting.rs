@@ -7,10 +7,14 @@ use gonio_fit::{FitOptions, Metric, Selection, fit};
 use gonio_geom::{Component, DVec3, Direction};
 use gonio_scan::{Flags, Measurement, Slice};
 
-use super::{Base, Recipe};
+use super::{Base, Fitted, Recipe};
 
-/// Readings that the search for a starting point looks at.
-const START_READINGS: usize = 900;
+/// Readings that the search for a starting point looks at; fewer where the base is fitted again.
+const START_READINGS: usize = 600;
+const START_AGAIN: usize = 250;
+
+/// Every so manyth reading takes part where a base is fitted again.
+const AGAIN: usize = 2;
 
 /// The floor of a base in units of the mean BSDF of its slices.
 const FLOOR: f64 = 1e-4;
@@ -106,10 +110,11 @@ impl Fitting {
     /// The base of `recipe` that describes the incidences for which `keep` holds best (cube roots of the DSF over
     /// solid angle [ForesFerwerdaGu2012]); `None` when it cannot be fitted.
     pub(crate) fn fit(&self, recipe: &Recipe, keep: impl Fn(usize) -> bool) -> Option<Base> {
+        let all = (0..self.slices.len()).all(&keep);
         let measurement = Measurement {
             slices: (0..self.slices.len())
                 .filter(|&k| keep(k))
-                .map(|k| self.slices[k].clone())
+                .map(|k| if all { self.slices[k].clone() } else { thinned(&self.slices[k]) })
                 .collect(),
             ..Measurement::default()
         };
@@ -122,15 +127,21 @@ impl Fitting {
             signature: false,
             compare: Vec::new(),
             profile: false,
-            start_readings: START_READINGS,
+            warnings: false,
+            start_readings: if all { START_READINGS } else { START_AGAIN },
             ..FitOptions::default()
         };
         let found = fit(&measurement, &recipe.model, &options).ok()?;
         let (channel, values) = found.parameters().into_iter().next()?;
         let mut parts = Vec::with_capacity(recipe.moves.len());
         for (k, &moves) in recipe.moves.iter().enumerate() {
-            let own = recipe.model.part_values(k, &values);
-            parts.push((recipe.model.parts[k].family.model(&[(channel, own)]).ok()?, moves));
+            let (family, values) = (recipe.model.parts[k].family, recipe.model.part_values(k, &values));
+            parts.push(Fitted {
+                model: family.model(&[(channel, values.clone())]).ok()?,
+                family,
+                values,
+                moves,
+            });
         }
         Some(Base {
             name: recipe.model.name.clone(),
@@ -146,9 +157,10 @@ impl Fitting {
         let (mut apart, mut size) = (0.0, 0.0);
         for k in (0..self.incidences.len()).filter(|&k| keep(k)) {
             let r = &self.readings[k];
-            for j in 0..r.len() {
+            let predicted = base.eval_all(self.incidences[k], r.direction.iter().copied());
+            for (j, f) in predicted.into_iter().enumerate() {
                 let w = r.omega[j] * r.direction[j].z;
-                apart += w * (base.eval(self.incidences[k], r.direction[j]) - r.bsdf[j]).abs();
+                apart += w * (f - r.bsdf[j]).abs();
                 size += w * r.bsdf[j].abs();
             }
         }
@@ -181,5 +193,22 @@ fn slice(component: Component, i: DVec3, r: &Picked, scale: f64) -> Slice {
         flags: vec![Flags::NONE; r.len()],
         u_common: 0.0,
         integrals: Vec::new(),
+    }
+}
+
+/// Every [`AGAIN`]th reading.
+fn thinned(slice: &Slice) -> Slice {
+    fn of<T: Copy>(column: &[T]) -> Vec<T> {
+        column.iter().step_by(AGAIN).copied().collect()
+    }
+    Slice {
+        theta_s: of(&slice.theta_s),
+        phi_s: of(&slice.phi_s),
+        dsf: of(&slice.dsf),
+        u_dsf: of(&slice.u_dsf),
+        omega: of(&slice.omega),
+        flags: of(&slice.flags),
+        integrals: Vec::new(),
+        ..*slice
     }
 }

@@ -9,6 +9,7 @@ mod retro;
 use std::fmt;
 
 use gonio_bsdf::Bsdf;
+use gonio_bsdf::analytic::{Family, Pairs};
 use gonio_geom::{Component, DVec3, Direction};
 
 pub(crate) use fitting::{Fitting, Picked};
@@ -25,11 +26,19 @@ pub(crate) enum Moves {
     Retro,
 }
 
+/// One fitted model of a base.
+struct Fitted {
+    model: Box<dyn Bsdf>,
+    family: &'static dyn Family,
+    values: Vec<f64>,
+    moves: Moves,
+}
+
 /// An analytic sum in the local frame, 1/sr, positive everywhere.
 pub(crate) struct Base {
     /// Its parts joined by `+`.
     pub(crate) name: String,
-    parts: Vec<(Box<dyn Bsdf>, Moves)>,
+    parts: Vec<Fitted>,
     component: Component,
     /// What the parts are multiplied with.
     scale: f64,
@@ -60,18 +69,41 @@ impl Base {
     #[inline]
     fn sum(&self, i: DVec3, s: DVec3, of: impl Fn(Moves) -> bool) -> f64 {
         let wi = Direction::from_unit(raised(i));
+        let ws = self.scattered(s);
+        let parts = self.parts.iter().filter(|p| of(p.moves));
+        self.scale * parts.map(|p| p.model.eval_first(wi, ws)).sum::<f64>()
+    }
+
+    /// [`Base::eval`] of one incidence and many directions, faster.
+    pub(crate) fn eval_all(&self, i: DVec3, directions: impl ExactSizeIterator<Item = DVec3>) -> Vec<f64> {
+        let n = directions.len();
+        let mut pairs = Pairs::with_capacity(Direction::from_unit(raised(i)), n);
+        for s in directions {
+            pairs.push(self.scattered(s));
+        }
+        let (mut sum, mut dsf) = (vec![0.0; n], vec![0.0; n]);
+        for part in &self.parts {
+            part.family.dsf(&part.values, pairs.view(0..n), &mut dsf);
+            sum.iter_mut().zip(&dsf).for_each(|(sum, d)| *sum += d);
+        }
+        let view = pairs.view(0..n);
+        let cosines = view.scattered()[2];
+        sum.iter().zip(cosines).map(|(d, z)| self.scale * d / z.abs() + self.floor).collect()
+    }
+
+    /// A local direction of scattering as the models take it.
+    #[inline]
+    fn scattered(&self, s: DVec3) -> Direction {
         let s = raised(s);
-        let ws = match self.component {
+        match self.component {
             Component::Reflection => Direction::from_unit(s),
             Component::Transmission => Direction::from_unit(DVec3::new(s.x, s.y, -s.z)),
-        };
-        let parts = self.parts.iter().filter(|p| of(p.1));
-        self.scale * parts.map(|p| p.0.eval_first(wi, ws)).sum::<f64>()
+        }
     }
 
     /// Whether some part moves as `moves`.
     pub(crate) fn has(&self, moves: Moves) -> bool {
-        self.parts.iter().any(|p| p.1 == moves)
+        self.parts.iter().any(|p| p.moves == moves)
     }
 }
 

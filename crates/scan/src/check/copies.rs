@@ -4,16 +4,28 @@ use std::collections::BTreeMap;
 
 use crate::{Level, Slice, Verdict};
 
-use super::{name, same_channel_pairs};
+use super::name;
 
 const ID: &str = "exact_copies";
 const TITLE: &str = "No scan is a copy of another";
 /// Share of equal values from which two scans are copies.
 const COPY: f64 = 0.99;
 
-/// Compares the sorted values of every pair of slices: noise makes equal readings of different scans impossible. Those
-/// of a model without noise warn only.
-pub(super) fn check(slices: &[Slice]) -> Verdict {
+/// Two slices of one channel that hold the same values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CopyPair {
+    /// Position of the first.
+    pub first: usize,
+    /// Position of the second.
+    pub second: usize,
+    /// Whether both are free of noise and the same at every azimuth, as of an ideal diffuser computed by a model: then
+    /// equal values mean nothing.
+    pub noise_free: bool,
+}
+
+/// Every pair of `slices` of one channel that holds the same readings, by their sorted values: noise makes equal readings of
+/// different scans impossible.
+pub fn copies(slices: &[&Slice]) -> Vec<CopyPair> {
     let sorted: Vec<Vec<f64>> = slices
         .iter()
         .map(|s| {
@@ -24,43 +36,51 @@ pub(super) fn check(slices: &[Slice]) -> Verdict {
         })
         .collect();
     let mut copies = Vec::new();
-    for (a, b) in same_channel_pairs(slices) {
-        if sorted[a].len() != sorted[b].len() || sorted[a].len() < 3 {
-            continue;
-        }
-        let equal = sorted[a]
-            .iter()
-            .zip(&sorted[b])
-            .filter(|(x, y)| (*x - *y).abs() <= 1e-12 * x.abs())
-            .count();
-        if equal as f64 >= COPY * sorted[a].len() as f64 {
-            copies.push((a, b));
+    for first in 0..slices.len() {
+        for second in first + 1..slices.len() {
+            let (a, b) = (&sorted[first], &sorted[second]);
+            if slices[first].channel != slices[second].channel || a.len() != b.len() || a.len() < 3 {
+                continue;
+            }
+            let equal = a.iter().zip(b).filter(|(x, y)| (*x - *y).abs() <= 1e-12 * x.abs()).count();
+            if equal as f64 >= COPY * a.len() as f64 {
+                copies.push(CopyPair {
+                    first,
+                    second,
+                    noise_free: noise_free(slices[first]) && noise_free(slices[second]),
+                });
+            }
         }
     }
-    let ideal = |&&(a, b): &&(usize, usize)| noise_free(&slices[a]) && noise_free(&slices[b]);
-    let smooth = copies.iter().filter(ideal).count();
+    copies
+}
+
+/// Judges the copies: those of a model without noise warn only.
+pub(super) fn check(slices: &[Slice]) -> Verdict {
+    let copies = copies(&slices.iter().collect::<Vec<_>>());
+    let smooth = copies.iter().filter(|c| c.noise_free).count();
     let (level, sentence) = match copies.first() {
-        Some(&(a, b)) if smooth == copies.len() => (
+        Some(&CopyPair { first, second, .. }) if smooth == copies.len() => (
             Level::Warn,
             format!(
                 "{} hold the same values, the first {} and {}. They are free of noise and the same at every azimuth, \
                  as those of an ideal diffuser computed by a model; if they were measured, one is a copy to be dropped.",
                 counted(copies.len()),
-                name(&slices[a]),
-                name(&slices[b])
+                name(&slices[first]),
+                name(&slices[second])
             ),
         ),
         None => (
             Level::Pass,
             format!("{} scans, none the copy of another.", slices.len()),
         ),
-        Some(&(a, b)) => (
+        Some(&CopyPair { first, second, .. }) => (
             Level::Fail,
             format!(
                 "{} hold the same readings, the first {} and {}: drop all but the one that was measured.",
                 counted(copies.len()),
-                name(&slices[a]),
-                name(&slices[b])
+                name(&slices[first]),
+                name(&slices[second])
             ),
         ),
     };

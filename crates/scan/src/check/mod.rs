@@ -18,6 +18,7 @@ use gonio_geom::Angles;
 
 use crate::{Measurement, Slice, Verdict};
 
+pub use copies::{CopyPair, copies};
 pub use repeatability::repeatability;
 
 /// Settings of [`check`].

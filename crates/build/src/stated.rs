@@ -1,0 +1,152 @@
+//! The error a model states at any incidence: that of its slices, and that of interpolating between them.
+//!
+//! The first comes from readings held out of the slices, the second from incidences left out of the model. An
+//! incidence left out stands in a gap twice as wide as those of the model; linear interpolation errs with the square of
+//! the gap, limited cubics with about its cube, extrapolation with the distance.
+
+use gonio_geom::DVec3;
+
+use crate::across::Candidate;
+use crate::hold_out::SliceError;
+use crate::layout::Layout;
+use crate::leave_one_out::{Fold, Held, LooError};
+
+/// Exponent of the squared spread that errors go with.
+const LINEAR: f64 = 1.0;
+const CUBIC: f64 = 1.5;
+
+/// Least share of the error of an incidence left out that is put down to interpolation, however large the errors of the
+/// slices are.
+const LEAST_SHARE: f64 = 0.3;
+
+/// Distance below which errors of incidences left out count alike, radians.
+const NEAR: f64 = 0.02;
+
+/// What a model states about its error at one incidence; relative L1 of the DSF, `sum w |f' - f| / sum w f`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StatedError {
+    /// Noise and interpolation between the readings of the slices.
+    pub slice: f64,
+    /// Interpolation between incidences, or extrapolation; `None` where no incidence could be left out to tell.
+    pub incidence: Option<f64>,
+}
+
+impl StatedError {
+    /// Both together; the slice part alone where the other is not known.
+    pub fn total(&self) -> f64 {
+        self.slice.hypot(self.incidence.unwrap_or(0.0))
+    }
+}
+
+/// The errors of one side and component.
+#[derive(Clone, Debug)]
+pub(crate) struct PartErrors {
+    slices: Vec<SliceError>,
+    power: f64,
+    /// Incidence left out, and error of interpolation over the power of the spread.
+    within: Vec<(DVec3, f64)>,
+    /// Error of extrapolation a radian.
+    beyond: Option<f64>,
+}
+
+impl PartErrors {
+    /// From the errors of the slices and of the folds, those of interior incidences by `candidate`.
+    pub(crate) fn new(
+        all: &[Held],
+        slices: Vec<SliceError>,
+        isotropic: bool,
+        candidate: Candidate,
+        folds: &[Fold],
+        within: &[LooError],
+        beyond: &[LooError],
+    ) -> Self {
+        let power = if candidate.cubic { CUBIC } else { LINEAR };
+        let mut out = PartErrors {
+            slices,
+            power,
+            within: Vec::new(),
+            beyond: None,
+        };
+        let mut past = Vec::new();
+        let (mut interior, mut edge) = (within.iter(), beyond.iter());
+        for fold in folds {
+            let Some(error) = (if fold.beyond { edge.next() } else { interior.next() }) else {
+                continue;
+            };
+            let directions: Vec<DVec3> = fold.kept.iter().map(|&k| all[k].node.direction).collect();
+            let kept: Vec<SliceError> = fold.kept.iter().map(|&k| out.slices[k]).collect();
+            let layout = Layout::new(&directions, isotropic);
+            let i = all[fold.left_out].node.direction;
+            let known = slice_part(&layout, &kept, i).hypot(out.slices[fold.left_out].total());
+            let own = error.rel_l1_smooth;
+            let own = (own * own - known * known).max((LEAST_SHARE * own).powi(2)).sqrt();
+            if fold.beyond {
+                past.push(own / layout.past(i).max(NEAR));
+            } else {
+                out.within.push((i, own / layout.spread(i).max(NEAR * NEAR).powf(power)));
+            }
+        }
+        out.beyond = past.into_iter().reduce(f64::max);
+        out
+    }
+
+    /// The error at local incidence `i` of a model whose incidences lie as `layout` says.
+    pub(crate) fn at(&self, layout: &Layout, i: DVec3) -> StatedError {
+        let (i, _) = layout.frame(i, DVec3::Z);
+        let past = layout.past(i);
+        let incidence = if past > 0.0 {
+            self.beyond.map(|b| b * past)
+        } else {
+            let (mut sum, mut total) = (0.0, 0.0);
+            for (at, coefficient) in &self.within {
+                let apart = at.dot(i).clamp(-1.0, 1.0).acos();
+                let weight = 1.0 / (apart * apart + NEAR * NEAR);
+                sum += weight * coefficient;
+                total += weight;
+            }
+            (total > 0.0).then(|| sum / total * layout.spread(i).powf(self.power))
+        };
+        StatedError {
+            slice: slice_part(layout, &self.slices, i),
+            incidence,
+        }
+    }
+}
+
+/// Error of the slices around `i`: their noise is independent, gaps between readings err alike.
+fn slice_part(layout: &Layout, slices: &[SliceError], i: DVec3) -> f64 {
+    let (mut noise, mut gap) = (0.0, 0.0);
+    for k in layout.near(i).iter() {
+        noise += (k.weight * slices[k.node].noise).powi(2);
+        gap += k.weight * slices[k.node].gap;
+    }
+    noise.sqrt().hypot(gap)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gonio_geom::Direction;
+
+    #[test]
+    fn the_error_vanishes_at_measured_incidences_and_grows_between_and_beyond_them() {
+        let at = |t: f64| Direction::from_degrees(t, 180.0).vec();
+        let layout = Layout::new(&[at(10.0), at(30.0), at(50.0)], true);
+        let slice = SliceError {
+            noise: 0.01,
+            gap: 0.0,
+        };
+        let errors = PartErrors {
+            slices: vec![slice; 3],
+            power: LINEAR,
+            within: vec![(at(30.0), 0.5)],
+            beyond: Some(0.2),
+        };
+        let stated = |t: f64| errors.at(&layout, at(t));
+        assert!(stated(30.0).incidence.unwrap() < 1e-12 && (stated(30.0).slice - 0.01).abs() < 1e-12);
+        let middle = stated(40.0);
+        assert!((middle.incidence.unwrap() - 0.5 * 10f64.to_radians().powi(2)).abs() < 1e-9);
+        assert!((middle.slice - 0.01 / 2f64.sqrt()).abs() < 1e-12, "independent noise averages");
+        assert!((stated(60.0).incidence.unwrap() - 0.2 * 10f64.to_radians()).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,68 @@
+//! Cases in which no error that is stated can be trusted.
+
+use std::sync::Arc;
+
+use crate::hold_out::SliceError;
+use crate::incidence::Part;
+use crate::leave_one_out::Held;
+use crate::node::Node;
+
+/// Error between readings (relative L1) from which a slice is called undersampled.
+const UNDERSAMPLED: f64 = 0.02;
+
+/// Factor between a slice and its neighbour's prediction of it from which light counts as not there.
+const GONE: f64 = 5.0;
+
+/// Share of light that is there in one of two neighbouring incidences only from which that is said.
+const SWITCHED: f64 = 0.1;
+
+/// What to say about slices with too few readings, and about lobes that are there at one incidence and not at the next.
+pub(crate) fn notes(label: &str, all: &[Held], slices: &[SliceError], part: &Part) -> Vec<String> {
+    let mut notes = Vec::new();
+    let theta = |node: &Arc<Node>| node.direction.z.clamp(-1.0, 1.0).acos().to_degrees();
+    let coarse: Vec<usize> = (0..all.len()).filter(|&k| slices[k].gap > UNDERSAMPLED).collect();
+    if let Some(&worst) = coarse.iter().max_by(|&&a, &&b| slices[a].gap.total_cmp(&slices[b].gap)) {
+        notes.push(format!(
+            "{label}: undersampled, the peak is narrower than the distance of its readings at {} of {} incidences, worst at \
+             theta_i {:.1} deg (about {:.0} % between readings): errors there are known roughly at best",
+            coarse.len(),
+            all.len(),
+            theta(&all[worst].node),
+            100.0 * slices[worst].gap
+        ));
+    }
+    let mut switched: Option<(f64, usize, usize)> = None;
+    for (a, b) in part.layout().pairs() {
+        let share = unlike(part, all, a, b).max(unlike(part, all, b, a));
+        if share > switched.map_or(SWITCHED, |s| s.0) {
+            switched = Some((share, a, b));
+        }
+    }
+    if let Some((share, a, b)) = switched {
+        notes.push(format!(
+            "{label}: between theta_i {:.1} and {:.1} deg {:.0} % of the light appears, vanishes or moves by more than a \
+             lobe's width: what happens between them is not known",
+            theta(&all[a].node),
+            theta(&all[b].node),
+            100.0 * share
+        ));
+    }
+    notes
+}
+
+/// Share of the light of incidence `b` that its neighbour `a` does not predict within [`GONE`].
+fn unlike(part: &Part, all: &[Held], a: usize, b: usize) -> f64 {
+    let (i, readings) = (all[b].node.direction, &all[b].readings);
+    let (mut gone, mut all_light) = (0.0, 0.0);
+    for j in 0..readings.len() {
+        let s = readings.direction[j];
+        let there = all[b].node.value(s).max(0.0);
+        let Some(predicted) = part.alone(a, i, s) else { continue };
+        let light = readings.omega[j] * s.z;
+        all_light += light * there;
+        if there > GONE * predicted {
+            gone += light * (there - predicted);
+        }
+    }
+    if all_light > 0.0 { gone / all_light } else { 0.0 }
+}
