@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from typing import Any
+
 from gonio import _native
 from gonio._native import DataDriven
 from gonio.checking import MeasurementOrPath, loaded
@@ -61,9 +64,9 @@ def build(
     Returns
     -------
     DataDriven
-        A `Bsdf` that also tells its leave-one-incidence-out errors (`loo`, the largest is `loo_error`), how
-        it was built (`summary`), what to know (`warnings`), and how each value is known (`coverage`, see
-        `COVERAGE`).
+        A `Bsdf` that also tells its leave-one-incidence-out errors (`loo`, the largest is `loo_error`), the
+        error it states at any incidence (`stated_error`, a list of them `stated_errors`), how it was built
+        (`summary`), what to know (`warnings`), and how each value is known (`coverage`, see `COVERAGE`).
 
     Raises
     ------
@@ -83,3 +86,38 @@ def build(
     )
     progress("building", 1, 1)
     return model
+
+
+def stated_errors(model: DataDriven) -> list[dict[str, Any]]:
+    """The errors that a data-driven model states: at the measured incidences, between them and just beyond.
+
+    Parameters
+    ----------
+    model
+        A model of `build`.
+
+    Returns
+    -------
+    list of dict
+        Rows with side, component, theta_i and phi_i (degrees), measured (whether a slice stands there), and
+        the relative L1 error of the DSF: slice (noise and the distance of readings), incidence (between or
+        beyond the measured ones; None where no incidence could be left out to tell), total. Incidences
+        between and beyond are those of isotropic samples, half a step away.
+    """
+    rows: list[dict[str, Any]] = []
+    for part in model.summary:
+        measured = [(s["theta_i"], s["phi_i"]) for s in part["slices"]]
+        places = [(theta, phi, True) for theta, phi in measured]
+        if model.properties["isotropic"]:
+            steps = list(pairwise(measured))
+            places += [((a + b) / 2, phi, False) for (a, phi), (b, _) in steps]
+            if steps:
+                (a, phi), (b, _) = steps[-1]
+                edge = b + (b - a) / 2
+                if min(abs(edge - 90), abs(b - 90)) > 0 and (edge < 90) == (b < 90):
+                    places.append((edge, phi, False))
+        for theta, phi, there in sorted(places):
+            stated = model.stated_error(theta_i=theta, phi_i=phi, component=part["component"])
+            row = {"side": part["side"], "component": part["component"], "theta_i": theta, "phi_i": phi}
+            rows.append(row | {"measured": there} | (stated or {}))
+    return rows

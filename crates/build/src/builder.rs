@@ -19,8 +19,8 @@ use crate::plane::from_plane;
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
 use crate::stated::PartErrors;
-use crate::unknowable;
 use crate::symmetry::{Incidence, SAME_THETA, half_measured, mirror_symmetric, polar};
+use crate::unknowable;
 
 /// Fewest readings of a slice.
 const LEAST_READINGS: usize = 12;
@@ -52,29 +52,44 @@ pub(crate) struct Built {
 }
 
 /// The slices that make one node: one incidence, or several of one polar angle when isotropic.
-struct Pile {
+struct Pile<'a> {
     incidence: Angles,
+    slices: Vec<&'a Slice>,
     readings: Vec<Readings>,
     surfaces: Vec<SliceSurface>,
 }
 
-impl Pile {
+impl Pile<'_> {
+    /// Whether it holds `slice`.
+    fn holds(&self, slice: &Slice) -> bool {
+        self.slices.iter().any(|s| std::ptr::eq(*s, slice))
+    }
+
     /// Some of its readings, by `importance` of BSDF and cosine.
     fn picked(&self, most: usize, importance: impl Fn(f64, f64) -> f64) -> Picked {
-        let omega: Vec<f64> = self.surfaces.iter().flat_map(SliceSurface::solid_angles).collect();
+        let omega: Vec<f64> = self
+            .surfaces
+            .iter()
+            .flat_map(SliceSurface::solid_angles)
+            .collect();
         let each: Vec<(usize, usize)> = (0..self.readings.len())
             .flat_map(|r| (0..self.readings[r].len()).map(move |j| (r, j)))
             .collect();
         let reading = |n: usize| {
             let (r, j) = each[n];
             let readings = &self.readings[r];
-            (from_plane(readings.points[j]), readings.value[j], readings.sigma[j], omega[n])
+            (
+                from_plane(readings.points[j]),
+                readings.value[j],
+                readings.sigma[j],
+                omega[n],
+            )
         };
         Picked::new(each.len(), most, reading, importance)
     }
 }
 
-impl Pile {
+impl Pile<'_> {
     /// Error of its mean slice between readings.
     fn slice_error(&self, bilateral: bool) -> SliceError {
         let each: Vec<SliceError> = self
@@ -83,7 +98,11 @@ impl Pile {
             .zip(&self.readings)
             .map(|(surface, r)| {
                 let omega = surface.solid_angles();
-                let weight: Vec<f64> = omega.iter().zip(&r.points).map(|(o, &p)| o * from_plane(p).z).collect();
+                let weight: Vec<f64> = omega
+                    .iter()
+                    .zip(&r.points)
+                    .map(|(o, &p)| o * from_plane(p).z)
+                    .collect();
                 SliceError::new(surface, &r.value, &weight)
             })
             .collect();
@@ -96,9 +115,11 @@ impl Pile {
     }
 }
 
-/// The part of light from `side` in `component`; `None` when there is no reading of it.
+/// The part of light from `side` in `component`; `None` when there is no reading of it. Slices of `copied` hold the same
+/// readings.
 pub(crate) fn part(
     slices: &[&Slice],
+    copied: &[(&Slice, &Slice)],
     side: Side,
     component: Component,
     isotropic: bool,
@@ -109,13 +130,18 @@ pub(crate) fn part(
     if piles.is_empty() {
         return Ok(None);
     }
-    let directions: Vec<DVec3> = piles.iter().map(|p| local_incidence(p.incidence, isotropic)).collect();
+    let directions: Vec<DVec3> = piles
+        .iter()
+        .map(|p| local_incidence(p.incidence, isotropic))
+        .collect();
     let held: Vec<Picked> = piles
         .par_iter()
         .map(|p| p.picked(HELD_READINGS, |f, z| f * z))
         .collect();
     let fitting = {
-        let readings = piles.par_iter().map(|p| p.picked(FIT_READINGS, |f, z| (f * z).cbrt().powi(2)));
+        let readings = piles
+            .par_iter()
+            .map(|p| p.picked(FIT_READINGS, |f, z| (f * z).cbrt().powi(2)));
         Fitting::new(component, directions.clone(), readings.collect())
     };
     let bases = bases(&fitting, component, isotropic, &options.without)?;
@@ -133,15 +159,35 @@ pub(crate) fn part(
         .collect();
     let bilateral = isotropic && !agree.is_empty() && 2 * agree.iter().filter(|a| **a).count() > agree.len();
 
+    // Copies share the number of the first of them.
+    let mut groups: Vec<usize> = (0..piles.len()).collect();
+    for b in 0..piles.len() {
+        let copy = |a: &usize| {
+            let both = |(x, y): &(&Slice, &Slice)| {
+                (piles[*a].holds(x) && piles[b].holds(y)) || (piles[*a].holds(y) && piles[b].holds(x))
+            };
+            copied.iter().any(both)
+        };
+        if let Some(a) = (0..b).find(copy) {
+            groups[b] = groups[a];
+        }
+    }
     let readings = piles.iter().flat_map(|p| &p.readings).map(Readings::len).sum();
     let all: Vec<Held> = piles
         .iter()
         .zip(&directions)
         .zip(held)
-        .enumerate()
-        .map(|(group, ((pile, &direction), readings))| {
+        .zip(groups)
+        .map(|(((pile, &direction), readings), group)| {
             let statistics = Statistics::new(&pile.readings, &readings);
-            let node = Node::new(pile.incidence, direction, &pile.surfaces, base, statistics, bilateral);
+            let node = Node::new(
+                pile.incidence,
+                direction,
+                &pile.surfaces,
+                base,
+                statistics,
+                bilateral,
+            );
             Held {
                 node: Arc::new(node),
                 readings,
@@ -212,6 +258,13 @@ pub(crate) fn part(
         incidences: nodes.len(),
         readings,
         table_values: nodes.iter().map(|n| n.table_len()).sum(),
+        slice_errors: all
+            .iter()
+            .zip(&slice_errors)
+            .map(|(h, e)| (h.node.incidence, e.total()))
+            .collect(),
+        reciprocity: contest.reciprocity(),
+        exchange: beyond_rule.exchange,
         bilateral,
         candidate: rule.candidate,
         base: rule.base.as_ref().map(|b| b.name.clone()),
@@ -220,7 +273,12 @@ pub(crate) fn part(
         scores,
     };
     let part = Part::new(nodes, isotropic, rule, beyond_rule);
-    notes.extend(unknowable::notes(&format!("{side} {component}"), &all, &slice_errors, &part));
+    notes.extend(unknowable::notes(
+        &format!("{side} {component}"),
+        &all,
+        &slice_errors,
+        &part,
+    ));
     Ok(Some(Built {
         part,
         errors,
@@ -243,7 +301,12 @@ fn bases(
         error.is_finite().then(|| (recipe, Arc::new(base), error))
     };
     let mut recipes = recipes(component, isotropic)?;
-    recipes.retain(|r| r.model.parts.iter().all(|p| !without.iter().any(|w| w == p.info().name)));
+    recipes.retain(|r| {
+        r.model
+            .parts
+            .iter()
+            .all(|p| !without.iter().any(|w| w == p.info().name))
+    });
     let mut found: Vec<_> = recipes.into_par_iter().filter_map(fitted).collect();
     found.sort_by(|a, b| a.2.total_cmp(&b.2));
     if component == Component::Reflection
@@ -256,17 +319,20 @@ fn bases(
     let most = found.first().map_or(0.0, |f| BEHIND * f.2);
     found.retain(|f| f.2 <= most);
     found.truncate(BASES);
-    Ok(found.into_iter().map(|(recipe, base, _)| (recipe, base)).collect())
+    Ok(found
+        .into_iter()
+        .map(|(recipe, base, _)| (recipe, base))
+        .collect())
 }
 
-fn piles(
-    slices: &[&Slice],
+fn piles<'a>(
+    slices: &[&'a Slice],
     side: Side,
     component: Component,
     isotropic: bool,
     notes: &mut Vec<String>,
-) -> Result<Vec<Pile>, BuildError> {
-    let mut piles: Vec<Pile> = Vec::new();
+) -> Result<Vec<Pile<'a>>, BuildError> {
+    let mut piles: Vec<Pile<'a>> = Vec::new();
     for group in Incidence::group(slices, side) {
         let mut readings = group.readings(component, isotropic);
         if readings.len() == 0 {
@@ -283,11 +349,13 @@ fn piles(
         }
         match piles.last_mut() {
             Some(last) if isotropic && polar(group.angles) - polar(last.incidence) < SAME_THETA => {
+                last.slices.extend(&group.slices);
                 last.readings.push(readings);
                 last.surfaces.push(surface);
             }
             _ => piles.push(Pile {
                 incidence: group.angles,
+                slices: group.slices,
                 readings: vec![readings],
                 surfaces: vec![surface],
             }),
@@ -323,8 +391,7 @@ fn surface(
             "readings over the hemisphere",
         ));
     }
-    SliceSurface::flat(readings)
-        .ok_or_else(|| refused("no triangle".into(), "readings over the hemisphere"))
+    SliceSurface::flat(readings).ok_or_else(|| refused("no triangle".into(), "readings over the hemisphere"))
 }
 
 /// Incidence in the local frame; at azimuth pi when isotropic.

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use crate::across::Candidate;
 use crate::base::{Base, Fitting, Recipe};
 use crate::incidence::Rule;
+use crate::leave_one_out::{Fold, Held, LooError, error, folds};
 use crate::node::Node;
 use crate::reciprocity::{self, RECIPROCAL};
-use crate::leave_one_out::{Fold, Held, LooError, error, folds};
 
 /// A candidate whose worst fold is worse than this factor times the least worst fold is not chosen.
 const WORST: f64 = 1.5;
@@ -111,7 +111,15 @@ impl<'a> Contest<'a> {
                 None => None,
             };
             let fold = &self.folds[f];
-            Some(error(self.all, fold, self.isotropic, self.component, candidate, base, exchange))
+            Some(error(
+                self.all,
+                fold,
+                self.isotropic,
+                self.component,
+                candidate,
+                base,
+                exchange,
+            ))
         });
         Some(Tried {
             candidate,
@@ -130,10 +138,16 @@ impl<'a> Contest<'a> {
             } else {
                 vec![None]
             };
-            tried.extend(bases.into_iter().filter_map(|b| self.tried(candidate, b, beyond, false)));
+            tried.extend(
+                bases
+                    .into_iter()
+                    .filter_map(|b| self.tried(candidate, b, beyond, false)),
+            );
         }
         if cubic {
-            let mut order: Vec<usize> = (0..tried.len()).filter(|&k| !tried[k].errors.is_empty()).collect();
+            let mut order: Vec<usize> = (0..tried.len())
+                .filter(|&k| !tried[k].errors.is_empty())
+                .collect();
             order.sort_by(|&a, &b| tried[a].mean().total_cmp(&tried[b].mean()));
             let more: Vec<Tried> = order
                 .iter()
@@ -154,6 +168,15 @@ impl<'a> Contest<'a> {
         }
     }
 
+    /// Relative L1 difference of exchanged readings of reflection.
+    pub(crate) fn reciprocity(&self) -> Option<f64> {
+        let nodes: Vec<&Node> = self.all.iter().map(|h| &*h.node).collect();
+        match self.component {
+            Component::Reflection => reciprocity::score(&nodes, self.isotropic),
+            Component::Transmission => None,
+        }
+    }
+
     /// The rule past the measured incidences: the best of `list`, with source and receiver exchanged where the slices
     /// agree under exchange and the error at the edge is less so. `None` when no incidence can be left out there.
     pub(crate) fn beyond(&self, list: &[Candidate]) -> Option<Tried> {
@@ -163,10 +186,10 @@ impl<'a> Contest<'a> {
             return None;
         }
         let direct = tried.swap_remove(first);
-        let nodes: Vec<&Node> = self.all.iter().map(|h| &*h.node).collect();
-        let agree = self.component == Component::Reflection
-            && reciprocity::score(&nodes, self.isotropic).is_some_and(|s| s <= RECIPROCAL);
-        let exchanged = agree.then(|| self.tried(direct.candidate, direct.base, true, true)).flatten();
+        let agree = self.reciprocity().is_some_and(|s| s <= RECIPROCAL);
+        let exchanged = agree
+            .then(|| self.tried(direct.candidate, direct.base, true, true))
+            .flatten();
         Some(match exchanged {
             Some(e) if e.mean() < GAIN * direct.mean() => e,
             _ => direct,
@@ -177,13 +200,21 @@ impl<'a> Contest<'a> {
 /// The position of the best: the least mean error of those whose worst fold is not much worse than need be, the first of a
 /// tie. The first of all when there are no errors.
 pub(crate) fn best(tried: &[Tried]) -> usize {
-    let scored: Vec<usize> = (0..tried.len()).filter(|&k| !tried[k].errors.is_empty()).collect();
-    let worst = scored.iter().map(|&k| tried[k].worst()).fold(f64::INFINITY, f64::min);
+    let scored: Vec<usize> = (0..tried.len())
+        .filter(|&k| !tried[k].errors.is_empty())
+        .collect();
+    let worst = scored
+        .iter()
+        .map(|&k| tried[k].worst())
+        .fold(f64::INFINITY, f64::min);
     let allowed: Vec<usize> = scored
         .into_iter()
         .filter(|&k| tried[k].worst() <= WORST * worst)
         .collect();
-    let least = allowed.iter().map(|&k| tried[k].mean()).fold(f64::INFINITY, f64::min);
+    let least = allowed
+        .iter()
+        .map(|&k| tried[k].mean())
+        .fold(f64::INFINITY, f64::min);
     allowed
         .into_iter()
         .find(|&k| tried[k].mean() <= TIE * least)

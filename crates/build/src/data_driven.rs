@@ -1,7 +1,7 @@
 //! The first data-driven model: measured slices, interpolated.
 
 use gonio_bsdf::{Bsdf, Channel, FourComponents, Properties};
-use gonio_geom::{Component, DVec3, Direction, Side};
+use gonio_geom::{Angles, Component, DVec3, Direction, Side};
 use gonio_scan::{Measurement, Slice};
 
 use crate::across::Candidate;
@@ -57,6 +57,12 @@ pub struct PartSummary {
     pub readings: usize,
     /// Values the slices were resampled to.
     pub table_values: usize,
+    /// Error of each slice between and at its readings (noise left after smoothing, interpolation); relative L1 of the DSF.
+    pub slice_errors: Vec<(Angles, f64)>,
+    /// Relative L1 difference of readings with source and receiver exchanged; `None` where none can be compared.
+    pub reciprocity: Option<f64>,
+    /// Whether source and receiver are exchanged past the measured incidences.
+    pub exchange: bool,
     /// Whether both halves about the plane of incidence were averaged.
     pub bilateral: bool,
     /// The interpolation over incidence.
@@ -105,6 +111,7 @@ impl DataDriven {
         for slice in &slices {
             check_columns(slice)?;
         }
+        let (slices, copied, notes) = without_copies(slices);
         let azimuth = symmetry::decide(&slices, options.symmetry);
         let mut model = DataDriven {
             channel: [channel],
@@ -115,11 +122,11 @@ impl DataDriven {
             caps: [None, None],
             loo: Vec::new(),
             summary: Vec::new(),
-            warnings: azimuth.note.into_iter().collect(),
+            warnings: azimuth.note.into_iter().chain(notes).collect(),
         };
         let mut most = 0;
         for (side, component) in FourComponents::<Part>::KEYS {
-            let built = builder::part(&slices, side, component, azimuth.isotropic, options)?;
+            let built = builder::part(&slices, &copied, side, component, azimuth.isotropic, options)?;
             let Some(Built {
                 part,
                 errors,
@@ -275,6 +282,43 @@ fn up(d: Direction) -> DVec3 {
 
 fn side_index(side: Side) -> usize {
     usize::from(side == Side::Back)
+}
+
+/// Two slices that hold the same readings.
+type Copied<'a> = (&'a Slice, &'a Slice);
+
+/// `slices` without those that repeat another one of the same incidence; the pairs that are left and hold the same readings
+/// though their incidences differ; and what to say about both.
+fn without_copies(slices: Vec<&Slice>) -> (Vec<&Slice>, Vec<Copied<'_>>, Vec<String>) {
+    let mut dropped = vec![false; slices.len()];
+    let (mut copied, mut notes) = (Vec::new(), Vec::new());
+    for pair in gonio_scan::copies(&slices).into_iter().filter(|p| !p.noise_free) {
+        let (a, b) = (slices[pair.first], slices[pair.second]);
+        if dropped[pair.first] || dropped[pair.second] {
+            continue;
+        }
+        let (theta, phi) = b.incidence.to_degrees();
+        if a.incidence.direction().angle_to(b.incidence.direction()) < symmetry::SAME_DIRECTION {
+            dropped[pair.second] = true;
+            notes.push(format!(
+                "the slice at theta_i {theta:.1}, phi_i {phi:.1} deg is there twice with the same readings: one is used"
+            ));
+        } else {
+            copied.push((a, b));
+            let (theta_a, phi_a) = a.incidence.to_degrees();
+            notes.push(format!(
+                "the slice at theta_i {theta:.1}, phi_i {phi:.1} deg holds the readings of that at theta_i {theta_a:.1}, phi_i \
+                 {phi_a:.1} deg: both are used, and left out together where errors are estimated"
+            ));
+        }
+    }
+    let kept = slices
+        .into_iter()
+        .zip(dropped)
+        .filter(|s| !s.1)
+        .map(|s| s.0)
+        .collect();
+    (kept, copied, notes)
 }
 
 fn choose_channel(measurement: &Measurement, wanted: Option<Channel>) -> Result<Channel, BuildError> {

@@ -41,7 +41,9 @@ pub enum BuildError {
         needed: String,
     },
     /// A candidate that needs a parametric base, where none could be fitted.
-    #[error("candidate: found {candidate} for {side} {component}, where no parametric base could be fitted; allowed one without a model")]
+    #[error(
+        "candidate: found {candidate} for {side} {component}, where no parametric base could be fitted; allowed one without a model"
+    )]
     NoBase {
         /// Side of incidence.
         side: Side,

@@ -55,7 +55,9 @@ impl SliceError {
             let ratio = surface.ratio_of(j).0.abs();
             if ratio > 0.0 { error / ratio } else { 0.0 }
         };
-        let noise: f64 = (0..flux.len()).map(|j| flux[j] * relative(j, surface.ratio_of(j).1)).sum();
+        let noise: f64 = (0..flux.len())
+            .map(|j| flux[j] * relative(j, surface.ratio_of(j).1))
+            .sum();
         // Picked in proportion to flux, so that plain means are means over the light.
         let step = total / PREDICTED as f64;
         let (mut picked, mut sum) = (Vec::with_capacity(PREDICTED), 0.5 * step);
@@ -111,5 +113,9 @@ fn predicted(surface: &SliceSurface, neighbours: &Adjacency, readings: usize, j:
     let around: Vec<Point> = members.iter().map(|&k| points[k as usize]).collect();
     let mesh = Mesh::new(around)?;
     let at = mesh.locate(centre)?;
-    Some((0..3).map(|m| at.weights[m] * surface.ratio_of(members[at.vertices[m] as usize] as usize).0).sum())
+    Some(
+        (0..3)
+            .map(|m| at.weights[m] * surface.ratio_of(members[at.vertices[m] as usize] as usize).0)
+            .sum(),
+    )
 }

@@ -63,7 +63,6 @@ impl Part {
         self.layout.distance(i)
     }
 
-
     /// BSDF for local directions on the upper hemisphere, 1/sr, not negative.
     #[inline]
     pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
@@ -101,7 +100,9 @@ impl Part {
         let way = rule.candidate.way();
         let mut terms = [0.0; MOST_TERMS];
         let several = near.iter().count() > 1;
-        let stencil = (rule.candidate.cubic && several).then(|| self.layout.stencil(i)).flatten();
+        let stencil = (rule.candidate.cubic && several)
+            .then(|| self.layout.stencil(i))
+            .flatten();
         for (term, &frame) in way.frames().iter().enumerate() {
             let read = |k: &Neighbour, frame: Frame| {
                 let view = View {
@@ -109,7 +110,11 @@ impl Part {
                     neighbour: k,
                 };
                 let at = frame.counterpart(i, s, view.direction());
-                let visible = if frame == Frame::Still { 1.0 } else { fade(at.direction.z) };
+                let visible = if frame == Frame::Still {
+                    1.0
+                } else {
+                    fade(at.direction.z)
+                };
                 let value = |at: Counterpart| way.read(term, &query, &view, at);
                 (if visible > 0.0 { value(at) } else { 0.0 }, visible)
             };
@@ -150,7 +155,11 @@ impl Part {
     /// Whether readings surround the counterparts of a query in all slices `near`.
     fn seen(&self, rule: &Rule, near: &Near, i: DVec3, s: DVec3) -> bool {
         let frames = rule.candidate.way().frames();
-        let frame = frames.iter().copied().find(|f| *f != Frame::Still).unwrap_or(Frame::Still);
+        let frame = frames
+            .iter()
+            .copied()
+            .find(|f| *f != Frame::Still)
+            .unwrap_or(Frame::Still);
         near.iter().filter(|k| k.weight > 1e-9).all(|k| {
             let node = &*self.nodes[k.node];
             let at = frame.counterpart(i, s, k.turn(node.direction));

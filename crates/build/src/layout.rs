@@ -184,7 +184,10 @@ impl Layout {
             }
             Layout::Anisotropic(a) => a.directions[node].dot(i).clamp(-1.0, 1.0).acos().powi(2),
         };
-        self.near(i).iter().map(|k| k.weight * square(k.node, k.turned)).sum()
+        self.near(i)
+            .iter()
+            .map(|k| k.weight * square(k.node, k.turned))
+            .sum()
     }
 
     /// The polar angle of an incidence and those around it; `None` in anisotropic layout, and past the data.

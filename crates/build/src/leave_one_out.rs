@@ -53,9 +53,8 @@ pub(crate) struct Fold {
 pub(crate) fn folds(all: &[Held], isotropic: bool) -> Vec<Fold> {
     let directions: Vec<DVec3> = all.iter().map(|h| h.node.direction).collect();
     let layout = Layout::new(&directions, isotropic);
-    let without = |k: usize| -> Vec<usize> {
-        (0..all.len()).filter(|&j| all[j].group != all[k].group).collect()
-    };
+    let without =
+        |k: usize| -> Vec<usize> { (0..all.len()).filter(|&j| all[j].group != all[k].group).collect() };
     let mut out: Vec<Fold> = layout
         .interior()
         .into_iter()
@@ -131,8 +130,9 @@ pub(crate) fn error(
         })
         .collect::<Vec<_>>();
     // One after the other, so that the sums do not depend on the number of threads.
-    let [apart2, size2, apart, size, apart_smooth, size_smooth] =
-        sums.into_iter().fold([0.0; 6], |a, b| std::array::from_fn(|k| a[k] + b[k]));
+    let [apart2, size2, apart, size, apart_smooth, size_smooth] = sums
+        .into_iter()
+        .fold([0.0; 6], |a, b| std::array::from_fn(|k| a[k] + b[k]));
     LooError {
         incidence: held.node.incidence,
         component,

@@ -35,4 +35,3 @@ pub use leave_one_out::LooError;
 pub use slice_surface::Coverage;
 pub use stated::StatedError;
 pub use symmetry::SymmetryChoice;
-

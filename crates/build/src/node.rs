@@ -65,10 +65,16 @@ impl Statistics {
             .map(|(u, f)| u / f.abs().max(1e-300))
             .collect();
         ratios.sort_unstable_by(f64::total_cmp);
-        let weight: f64 = (0..picked.len()).map(|j| picked.omega[j] * picked.direction[j].z).sum();
+        let weight: f64 = (0..picked.len())
+            .map(|j| picked.omega[j] * picked.direction[j].z)
+            .sum();
         Statistics {
             relative_noise: ratios.get(ratios.len() / 2).copied().unwrap_or(0.0),
-            mean: if weight > 0.0 { (picked.albedo() / weight).abs() } else { 0.0 },
+            mean: if weight > 0.0 {
+                (picked.albedo() / weight).abs()
+            } else {
+                0.0
+            },
         }
     }
 }

@@ -238,7 +238,10 @@ mod tests {
     fn readings_without_a_stated_noise_stay_as_read() {
         let mesh = grid(10);
         let values = normals(100);
-        let smoothed: Vec<f64> = smooth(&mesh, &values, &[0.0; 100]).into_iter().map(|v| v.0).collect();
+        let smoothed: Vec<f64> = smooth(&mesh, &values, &[0.0; 100])
+            .into_iter()
+            .map(|v| v.0)
+            .collect();
         assert_eq!(smoothed, values);
     }
 }

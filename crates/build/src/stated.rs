@@ -2,7 +2,7 @@
 //!
 //! The first comes from readings held out of the slices, the second from incidences left out of the model. An
 //! incidence left out stands in a gap twice as wide as those of the model; linear interpolation errs with the square of
-//! the gap, limited cubics with about its cube, extrapolation with the distance.
+//! the gap, limited cubics with about its cube, extrapolation with the distance over the cosine.
 
 use gonio_geom::DVec3;
 
@@ -21,6 +21,9 @@ const LEAST_SHARE: f64 = 0.3;
 
 /// Distance below which errors of incidences left out count alike, radians.
 const NEAR: f64 = 0.02;
+
+/// Cosine below which incidences count alike.
+const LEAST_COSINE: f64 = 0.02;
 
 /// What a model states about its error at one incidence; relative L1 of the DSF, `sum w |f' - f| / sum w f`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +48,7 @@ pub(crate) struct PartErrors {
     power: f64,
     /// Incidence left out, and error of interpolation over the power of the spread.
     within: Vec<(DVec3, f64)>,
-    /// Error of extrapolation a radian.
+    /// Error of extrapolation over its [`distance`].
     beyond: Option<f64>,
 }
 
@@ -79,11 +82,14 @@ impl PartErrors {
             let i = all[fold.left_out].node.direction;
             let known = slice_part(&layout, &kept, i).hypot(out.slices[fold.left_out].total());
             let own = error.rel_l1_smooth;
-            let own = (own * own - known * known).max((LEAST_SHARE * own).powi(2)).sqrt();
+            let own = (own * own - known * known)
+                .max((LEAST_SHARE * own).powi(2))
+                .sqrt();
             if fold.beyond {
-                past.push(own / layout.past(i).max(NEAR));
+                past.push(own / distance(&layout, i).max(NEAR));
             } else {
-                out.within.push((i, own / layout.spread(i).max(NEAR * NEAR).powf(power)));
+                out.within
+                    .push((i, own / layout.spread(i).max(NEAR * NEAR).powf(power)));
             }
         }
         out.beyond = past.into_iter().reduce(f64::max);
@@ -93,7 +99,7 @@ impl PartErrors {
     /// The error at local incidence `i` of a model whose incidences lie as `layout` says.
     pub(crate) fn at(&self, layout: &Layout, i: DVec3) -> StatedError {
         let (i, _) = layout.frame(i, DVec3::Z);
-        let past = layout.past(i);
+        let past = distance(layout, i);
         let incidence = if past > 0.0 {
             self.beyond.map(|b| b * past)
         } else {
@@ -111,6 +117,12 @@ impl PartErrors {
             incidence,
         }
     }
+}
+
+/// How far `i` lies past the measured incidences. Towards grazing incidence scattering changes with the cosine: a step from
+/// 70 to 80 degrees counts as much as one from 80 to 85.
+fn distance(layout: &Layout, i: DVec3) -> f64 {
+    layout.past(i) / i.z.max(LEAST_COSINE)
 }
 
 /// Error of the slices around `i`: their noise is independent, gaps between readings err alike.
@@ -146,7 +158,11 @@ mod tests {
         assert!(stated(30.0).incidence.unwrap() < 1e-12 && (stated(30.0).slice - 0.01).abs() < 1e-12);
         let middle = stated(40.0);
         assert!((middle.incidence.unwrap() - 0.5 * 10f64.to_radians().powi(2)).abs() < 1e-9);
-        assert!((middle.slice - 0.01 / 2f64.sqrt()).abs() < 1e-12, "independent noise averages");
-        assert!((stated(60.0).incidence.unwrap() - 0.2 * 10f64.to_radians()).abs() < 1e-9);
+        assert!(
+            (middle.slice - 0.01 / 2f64.sqrt()).abs() < 1e-12,
+            "independent noise averages"
+        );
+        let past = 10f64.to_radians() / 60f64.to_radians().cos();
+        assert!((stated(60.0).incidence.unwrap() - 0.2 * past).abs() < 1e-9);
     }
 }

@@ -8,7 +8,7 @@ use crate::readings::{Readings, turn_to_pi};
 use crate::slice_surface::SliceSurface;
 
 /// Incidences closer than this are one (radians): 0.05 degrees.
-const SAME_DIRECTION: f64 = 0.05 * std::f64::consts::PI / 180.0;
+pub(crate) const SAME_DIRECTION: f64 = 0.05 * std::f64::consts::PI / 180.0;
 
 /// Incidences whose polar angles differ less are compared or averaged when isotropic (radians): 0.3 degrees.
 pub(crate) const SAME_THETA: f64 = 0.3 * std::f64::consts::PI / 180.0;

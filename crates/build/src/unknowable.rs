@@ -21,7 +21,10 @@ pub(crate) fn notes(label: &str, all: &[Held], slices: &[SliceError], part: &Par
     let mut notes = Vec::new();
     let theta = |node: &Arc<Node>| node.direction.z.clamp(-1.0, 1.0).acos().to_degrees();
     let coarse: Vec<usize> = (0..all.len()).filter(|&k| slices[k].gap > UNDERSAMPLED).collect();
-    if let Some(&worst) = coarse.iter().max_by(|&&a, &&b| slices[a].gap.total_cmp(&slices[b].gap)) {
+    if let Some(&worst) = coarse
+        .iter()
+        .max_by(|&&a, &&b| slices[a].gap.total_cmp(&slices[b].gap))
+    {
         notes.push(format!(
             "{label}: undersampled, the peak is narrower than the distance of its readings at {} of {} incidences, worst at \
              theta_i {:.1} deg (about {:.0} % between readings): errors there are known roughly at best",
@@ -57,7 +60,9 @@ fn unlike(part: &Part, all: &[Held], a: usize, b: usize) -> f64 {
     for j in 0..readings.len() {
         let s = readings.direction[j];
         let there = all[b].node.value(s).max(0.0);
-        let Some(predicted) = part.alone(a, i, s) else { continue };
+        let Some(predicted) = part.alone(a, i, s) else {
+            continue;
+        };
         let light = readings.omega[j] * s.z;
         all_light += light * there;
         if there > GONE * predicted {

@@ -112,7 +112,11 @@ fn glossy_incidences_that_were_not_measured_are_predicted_within_two_per_cent() 
     for (alpha, mean_limit) in [(0.2, 0.005), (0.05, 0.01)] {
         let truth = gloss(alpha);
         let model = built(&measure(&truth, &EIGHT, &[Reflection], 88.0, NOISE));
-        assert!(model.summary()[0].candidate.method.needs_base(), "{:?}", model.summary());
+        assert!(
+            model.summary()[0].candidate.method.needs_base(),
+            "{:?}",
+            model.summary()
+        );
         let mut mean = 0.0;
         for theta in HELD_OUT {
             let wi = Direction::from_degrees(theta, 77.0);

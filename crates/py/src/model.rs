@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use gonio_bsdf::Channel;
 use gonio_build as core;
-use gonio_geom::Direction;
+use gonio_geom::{Component, Direction};
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,7 +21,7 @@ pub(crate) struct DataDriven(Arc<core::DataDriven>);
 #[pymethods]
 impl DataDriven {
     /// Error of predicting each interior incidence from the others, one dict an incidence and component: theta_i,
-    /// phi_i (degrees), component, rel_rms, rel_l1 (fractions of the DSF).
+    /// phi_i (degrees), component, rel_rms, rel_l1 (fractions of the DSF), rel_l1_smooth (against the smoothed slice).
     #[getter]
     fn loo<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.0
@@ -35,6 +35,7 @@ impl DataDriven {
                 dict.set_item("component", e.component.to_string())?;
                 dict.set_item("rel_rms", e.rel_rms)?;
                 dict.set_item("rel_l1", e.rel_l1)?;
+                dict.set_item("rel_l1_smooth", e.rel_l1_smooth)?;
                 Ok(dict)
             })
             .collect()
@@ -47,7 +48,10 @@ impl DataDriven {
     }
 
     /// How each side and component was built: side, component, incidences, readings, table_values, bilateral,
-    /// candidate, base (its parametric model, or None), beyond and beyond_base (the same past the measured incidences), scores (mean relative L1 of every candidate by name).
+    /// reciprocity (relative L1 difference of exchanged readings, or None), exchange (whether that is used past the
+    /// measured incidences), slices (theta_i, phi_i and the relative L1 error of each), candidate, base (its parametric
+    /// model, or None), beyond and beyond_base (the same past the measured incidences), scores (mean relative L1 of every
+    /// candidate by name).
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.0
@@ -61,6 +65,17 @@ impl DataDriven {
                 dict.set_item("readings", s.readings)?;
                 dict.set_item("table_values", s.table_values)?;
                 dict.set_item("bilateral", s.bilateral)?;
+                dict.set_item("reciprocity", s.reciprocity)?;
+                dict.set_item("exchange", s.exchange)?;
+                let slices = s.slice_errors.iter().map(|(incidence, error)| {
+                    let slice = PyDict::new(py);
+                    let (theta_i, phi_i) = incidence.to_degrees();
+                    slice.set_item("theta_i", theta_i)?;
+                    slice.set_item("phi_i", phi_i)?;
+                    slice.set_item("error", error)?;
+                    Ok(slice)
+                });
+                dict.set_item("slices", slices.collect::<PyResult<Vec<_>>>()?)?;
                 dict.set_item("candidate", s.candidate.name())?;
                 dict.set_item("base", s.base.as_deref())?;
                 dict.set_item("beyond", s.beyond.name())?;
@@ -97,6 +112,38 @@ impl DataDriven {
             pairs.wi.iter().zip(&pairs.ws).map(code).collect()
         });
         PyArray1::from_vec(py, codes).reshape(pairs.shape)
+    }
+
+    /// The error stated at one incidence (degrees) for light into "reflection" or "transmission", fractions of the DSF
+    /// (relative L1): slice, incidence (None where it is not known), total; None where that was not measured.
+    #[pyo3(signature = (*, theta_i, phi_i, component="reflection"))]
+    fn stated_error<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: f64,
+        phi_i: f64,
+        component: &str,
+    ) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let component = match component {
+            "reflection" => Component::Reflection,
+            "transmission" => Component::Transmission,
+            _ => {
+                return Err(domain(
+                    "component",
+                    format!("{component:?}"),
+                    "reflection, transmission",
+                ));
+            }
+        };
+        let wi = angles(["theta_i", "phi_i"], theta_i, phi_i)?.direction();
+        let Some(stated) = self.0.stated_error(wi, component) else {
+            return Ok(None);
+        };
+        let dict = PyDict::new(py);
+        dict.set_item("slice", stated.slice)?;
+        dict.set_item("incidence", stated.incidence)?;
+        dict.set_item("total", stated.total())?;
+        Ok(Some(dict))
     }
 
     /// Fraction of the light from one incidence (degrees) that leaves on both sides, by quadrature (about 0.2 %).

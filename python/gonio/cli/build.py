@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 import gonio
-from gonio.building import CANDIDATES
+from gonio.building import CANDIDATES, stated_errors
 from gonio.cli.reduce import Bits, MaxBytes, Name, Target, show
 from gonio.cli.running import Json, out, print_json, progress_bar, warn
 from gonio.files import check_file
@@ -84,21 +85,42 @@ def build(
                 "properties": model.properties,
                 "loo_error": model.loo_error,
                 "loo": model.loo,
+                "stated": stated_errors(model),
                 "summary": model.summary,
                 "warnings": model.warnings,
                 "reduction": None if reduction is None else reduction.to_dict(),
             }
         )
         return
+    stated = stated_errors(model)
     for part in model.summary:
+        base = f" ({part['base']})" if part["base"] else ""
         out.print(
             f"{part['side']} {part['component']}: {part['incidences']} incidences, "
-            f"{part['readings']} readings, interpolated by {part['candidate']}"
+            f"{part['readings']} readings, interpolated by {part['candidate']}{base}"
         )
+        for row in stated:
+            if (row["side"], row["component"]) == (part["side"], part["component"]):
+                out.print(f"  stated error at {place(row)}: {of_error(row)}")
     for row in model.loo:
-        out.print(
-            f"  {row['component']} at theta_i {row['theta_i']:.4g}, phi_i {row['phi_i']:.4g} "
-            f"predicted from the others: {100 * row['rel_rms']:.2f} % rms"
-        )
+        rms = 100 * row["rel_rms"]
+        out.print(f"  {row['component']} at {place(row)} predicted from the others: {rms:.2f} % rms")
     if reduction is not None:
         show(reduction)
+
+
+def place(row: Mapping[str, Any]) -> str:
+    """An incidence in words."""
+    return f"theta_i {row['theta_i']:.4g}, phi_i {row['phi_i']:.4g}"
+
+
+def of_error(row: Mapping[str, Any]) -> str:
+    """A stated error in words."""
+    if row["measured"]:
+        return f"{100 * row['slice']:.2f} % (measured)"
+    if row["incidence"] is None:
+        return f"slices {100 * row['slice']:.2f} %, between incidences not known"
+    return (
+        f"{100 * row['total']:.2f} % (slices {100 * row['slice']:.2f} %, "
+        f"between incidences {100 * row['incidence']:.2f} %)"
+    )

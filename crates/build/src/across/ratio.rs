@@ -28,6 +28,8 @@ impl Across for Ratio {
 
     #[inline]
     fn join(&self, query: &Query<'_>, terms: &[f64; MOST_TERMS]) -> f64 {
-        query.base.map_or(0.0, |base| base.eval(query.i, query.s) * terms[0].exp())
+        query
+            .base
+            .map_or(0.0, |base| base.eval(query.i, query.s) * terms[0].exp())
     }
 }

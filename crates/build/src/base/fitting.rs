@@ -53,7 +53,11 @@ impl Picked {
         let mut out = Picked::default();
         let mut sum = 0.5;
         for (j, w) in weights.iter().enumerate() {
-            let p = if total > 0.0 { (most as f64 * w / total).min(1.0) } else { 0.0 };
+            let p = if total > 0.0 {
+                (most as f64 * w / total).min(1.0)
+            } else {
+                0.0
+            };
             sum += p;
             if sum >= 1.0 && p > 0.0 {
                 sum -= 1.0;
@@ -73,7 +77,9 @@ impl Picked {
 
     /// Integral of the DSF.
     pub(crate) fn albedo(&self) -> f64 {
-        (0..self.len()).map(|j| self.omega[j] * self.bsdf[j] * self.direction[j].z).sum()
+        (0..self.len())
+            .map(|j| self.omega[j] * self.bsdf[j] * self.direction[j].z)
+            .sum()
     }
 }
 
@@ -114,7 +120,13 @@ impl Fitting {
         let measurement = Measurement {
             slices: (0..self.slices.len())
                 .filter(|&k| keep(k))
-                .map(|k| if all { self.slices[k].clone() } else { thinned(&self.slices[k]) })
+                .map(|k| {
+                    if all {
+                        self.slices[k].clone()
+                    } else {
+                        thinned(&self.slices[k])
+                    }
+                })
                 .collect(),
             ..Measurement::default()
         };
@@ -175,12 +187,20 @@ fn slice(component: Component, i: DVec3, r: &Picked, scale: f64) -> Slice {
         .iter()
         .map(|&d| {
             let d = Direction::from_unit(d);
-            let d = if component == Component::Transmission { d.flipped() } else { d };
+            let d = if component == Component::Transmission {
+                d.flipped()
+            } else {
+                d
+            };
             (d.theta(), d.phi())
         })
         .collect();
     let of = |values: &[f64]| -> Vec<f64> {
-        values.iter().zip(&r.direction).map(|(v, d)| v * d.z / scale).collect()
+        values
+            .iter()
+            .zip(&r.direction)
+            .map(|(v, d)| v * d.z / scale)
+            .collect()
     };
     Slice {
         incidence: Direction::from_unit(i).angles(),

@@ -48,7 +48,9 @@ pub(crate) struct Base {
 
 impl fmt::Debug for Base {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Base").field("name", &self.name).finish_non_exhaustive()
+        f.debug_struct("Base")
+            .field("name", &self.name)
+            .finish_non_exhaustive()
     }
 }
 
@@ -63,7 +65,11 @@ impl Base {
     #[inline]
     pub(crate) fn eval_moving(&self, moves: Moves, i: DVec3, s: DVec3) -> f64 {
         let sum = self.sum(i, s, |m| m == moves);
-        if moves == Moves::Not { sum + self.floor } else { sum }
+        if moves == Moves::Not {
+            sum + self.floor
+        } else {
+            sum
+        }
     }
 
     #[inline]
@@ -88,7 +94,10 @@ impl Base {
         }
         let view = pairs.view(0..n);
         let cosines = view.scattered()[2];
-        sum.iter().zip(cosines).map(|(d, z)| self.scale * d / z.abs() + self.floor).collect()
+        sum.iter()
+            .zip(cosines)
+            .map(|(d, z)| self.scale * d / z.abs() + self.floor)
+            .collect()
     }
 
     /// A local direction of scattering as the models take it.

@@ -103,7 +103,13 @@ mod tests {
         for component in [Component::Reflection, Component::Transmission] {
             for isotropic in [true, false] {
                 for recipe in recipes(component, isotropic).unwrap() {
-                    assert!(recipe.model.parts.iter().all(|p| p.info().scatters.into(component)));
+                    assert!(
+                        recipe
+                            .model
+                            .parts
+                            .iter()
+                            .all(|p| p.info().scatters.into(component))
+                    );
                     assert_eq!(recipe.moves.len(), recipe.model.parts.len());
                 }
             }

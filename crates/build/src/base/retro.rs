@@ -8,7 +8,13 @@ use gonio_geom::{DVec3, Direction};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RetroLobe;
 
-const fn parameter(name: &'static str, low: f64, default: f64, role: Role, meaning: &'static str) -> ParameterInfo {
+const fn parameter(
+    name: &'static str,
+    low: f64,
+    default: f64,
+    role: Role,
+    meaning: &'static str,
+) -> ParameterInfo {
     ParameterInfo {
         name,
         unit: "1",

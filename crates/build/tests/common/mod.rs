@@ -124,6 +124,25 @@ pub(crate) fn measure(
     }
 }
 
+/// Keeps every `step`th reading of every slice.
+pub(crate) fn thinned(measurement: &mut Measurement, step: usize) {
+    fn keep<T: Copy>(column: &mut Vec<T>, step: usize) {
+        *column = column.iter().step_by(step).copied().collect();
+    }
+    for slice in &mut measurement.slices {
+        for column in [
+            &mut slice.theta_s,
+            &mut slice.phi_s,
+            &mut slice.dsf,
+            &mut slice.u_dsf,
+            &mut slice.omega,
+        ] {
+            keep(column, step);
+        }
+        keep(&mut slice.flags, step);
+    }
+}
+
 /// Error of `model` against `truth` from `wi` into `component`: relative L1 of the DSF over the hemisphere up to 88
 /// degrees, and the relative error of its integral.
 pub(crate) fn error(truth: &dyn Bsdf, model: &dyn Bsdf, wi: Direction, component: Component) -> (f64, f64) {

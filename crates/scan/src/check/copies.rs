@@ -42,7 +42,11 @@ pub fn copies(slices: &[&Slice]) -> Vec<CopyPair> {
             if slices[first].channel != slices[second].channel || a.len() != b.len() || a.len() < 3 {
                 continue;
             }
-            let equal = a.iter().zip(b).filter(|(x, y)| (*x - *y).abs() <= 1e-12 * x.abs()).count();
+            let equal = a
+                .iter()
+                .zip(b)
+                .filter(|(x, y)| (*x - *y).abs() <= 1e-12 * x.abs())
+                .count();
             if equal as f64 >= COPY * a.len() as f64 {
                 copies.push(CopyPair {
                     first,
