@@ -29,6 +29,8 @@ def test_without_arguments_the_verbs_are_listed(run, arguments):
         "process",
         "check",
         "build",
+        "reduce",
+        "compare",
         "export",
         "report",
         "simulate",
