@@ -164,7 +164,7 @@ def fit(
     }
     wanted = _names(models, "models")
     if wanted and model != AUTO:
-        raise DomainError(f"model: found {model!r} beside models, allowed {AUTO}")
+        raise DomainError(f"models (--compare): found with model {model!r}, allowed only with {AUTO}")
     if not 0.0 < max_theta_s <= 90.0:
         raise DomainError(f"max_theta_s: found {max_theta_s:g} degrees, allowed above 0 to 90")
     if not 0.0 <= retro_radius <= 180.0:

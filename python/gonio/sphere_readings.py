@@ -123,9 +123,12 @@ class SphereResult:
     warnings: list[str] = field(default_factory=list)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, as `gonio specularity --json` prints them."""
-        budget = [{**asdict(i), "contribution": i.contribution} for i in self.inputs]
-        return {**asdict(self), "inputs": budget}
+        """Plain values, as `gonio specularity --json` prints them; None for an uncertainty nobody stated."""
+        budget = [
+            {**asdict(i), "u": i.u or None, "contribution": i.contribution or None} for i in self.inputs
+        ]
+        stated = {"u": self.u or None, "u_rho_diffuse": self.u_rho_diffuse or None}
+        return {**asdict(self), **stated, "inputs": budget}
 
 
 def specularity(
@@ -327,8 +330,10 @@ def _warnings(r: SphereResult) -> list[str]:
     port = math.radians(r.port_half_angle)
     if r.alpha is None:
         found.append(
-            f"alpha is not stated: the specularity is Radiance's only for lobes narrower than "
-            f"{_LARGEST_RATIO * port:.2g}, a quarter of the port's half angle; state alpha for wider ones"
+            f"alpha is not stated: the specularity is Radiance's only for alpha below "
+            f"{_LARGEST_RATIO * port:.2g} (a quarter of {r.port_half_angle:g} degrees, in radians); state "
+            "alpha for wider lobes"
+            + ("; the material is written as smooth, roughness 0" if r.radiance is not None else "")
         )
     elif r.alpha > _LARGEST_RATIO * port:
         q = port_capture(alpha=r.alpha, half_angle=r.port_half_angle)
@@ -344,6 +349,7 @@ def _warnings(r: SphereResult) -> list[str]:
             f"the specularity is negative ({r.specularity:.4f}{_expanded(r.u)}): less light left "
             "through the "
             "port than diffuse reflection alone sends there"
+            + (f"; the material has 0 and reflects {r.rho_diffuse:.4f}" if r.radiance is not None else "")
         )
     elif 0.0 < r.specularity < 2.0 * r.u:
         found.append(

@@ -254,7 +254,7 @@ def test_holes_in_the_readings_change_little_and_are_told(plastic):
         ({"max_theta_s": 0}, "max_theta_s"),
         ({"retro_radius": -1}, "retro_radius"),
         ({"component": "sideways"}, "reflection, transmission"),
-        ({"models": ["metal"]}, "beside models"),
+        ({"models": ["metal"]}, "with model 'plastic', allowed only with auto"),
         ({"compare": "chi2"}, "compare"),
     ],
 )

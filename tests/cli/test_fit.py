@@ -223,7 +223,7 @@ def test_readings_that_cannot_be_fitted_are_one_clear_error(run, simulated, tmp_
         (["--model", "plastic", "--loss", "huber"], ["huber", "soft-l1, linear"]),
         (["--model", "plastic", "--channel", "red"], ["red", "photopic"]),
         (["--model", "plastic", "--max-theta-s", "120"], ["max_theta_s", "120"]),
-        (["--model", "plastic", "--compare", "metal"], ["beside models", "auto"]),
+        (["--model", "plastic", "--compare", "metal"], ["--compare", "plastic", "auto"]),
         (["--model", "plastic", "--colour", "1,1,1"], ["--colour", "--out"]),
         (["--model", "plastic", "--colour", "pink", "-o", "f"], ["pink", "R,G,B"]),
         (["--model", "plastic", "--colour", "0,0,0", "-o", "f"], ["colour", "not all 0"]),

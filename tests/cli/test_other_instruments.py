@@ -67,6 +67,26 @@ def test_specularity_as_json_carries_the_budget(run):
     assert found["u"] == pytest.approx(found["inputs"][0]["contribution"])
     assert found["rho_diffuse"] + found["rho_lobe"] == pytest.approx(0.55)
     assert found["radiance"] is None
+    bare = json.loads(run(*SPHERE, "--json").out)
+    assert (bare["u"], bare["u_rho_diffuse"], bare["inputs"][0]["u"]) == (None, None, None)
+
+
+def test_the_combined_uncertainty_and_its_correlation_stand_below_the_budget(run):
+    done = run(*SPHERE, "--u-total", 0.004, "--u-diffuse", 0.004, "--correlation", 0.9)
+    assert "all of them combined (k = 1), correlation 0.9" in done.out
+
+
+SATURATED = ("specularity", "--total", 0.55, "--diffuse", 0.012, "--port", 5, "--rgb", "1,0,0")
+MORE_DIFFUSE = ("specularity", "--total", 0.5, "--diffuse", 0.512, "--port", 5)
+
+
+def test_a_material_that_cannot_be_is_not_printed(run):
+    done = run(*SATURATED, "--material", "metal")
+    assert "metal  5" not in done.out
+    assert "above 1" in done.err
+    less = run(*MORE_DIFFUSE, "--rgb", "1,0.6,0.3")
+    assert "the material has 0 and reflects" in less.err
+    assert "smooth, roughness 0" in less.err
 
 
 def test_roughness_of_a_file_prints_alpha_and_the_band(run, profile):

@@ -175,11 +175,23 @@ fn listed(names: &[String]) -> String {
     }
 }
 
+/// Held-out error above which a model is no description of the sample: half of the light is not where it says.
+const UNDESCRIBED: f64 = 0.5;
+
 /// What the comparison says.
 pub(crate) fn sentence(ranking: &[Ranked], passed_over: &[(String, String)]) -> String {
     let best = &ranking[0];
     let name = &best.fit.model.name;
+    let undescribed = best.held_out_error > UNDESCRIBED;
     let mut text = match best.worst() {
+        Some(worst) if undescribed => format!(
+            "no model describes the sample; {name} comes nearest, and still predicts incidences that it was not fitted to \
+             with an error of {} (relative L1), worst at theta_i = {:.1} deg ({}). A data-driven model (gonio build) keeps \
+             what was measured",
+            percent(best.held_out_error),
+            worst.incidence.theta.to_degrees(),
+            percent(worst.relative_l1),
+        ),
         Some(worst) => format!(
             "{name} {}: it predicts incidences that it was not fitted to with an error of {} (relative L1), worst at \
              theta_i = {:.1} deg ({})",
@@ -255,7 +267,7 @@ pub(crate) fn sentence(ranking: &[Ranked], passed_over: &[(String, String)]) -> 
             flaws.join("; ")
         );
     }
-    if best.fit.warns("misfit") {
+    if best.fit.warns("misfit") && !undescribed {
         text += ". Even so its residuals exceed the noise: a data-driven model will be closer";
     }
     text + "."

@@ -119,6 +119,18 @@ fn a_sound_model_that_is_much_worse_does_not_win_but_the_flaw_is_told() {
 }
 
 #[test]
+fn a_model_that_misses_half_of_the_light_describes_nothing() {
+    let of = |error| ordered(vec![model("abg", &[error, error], -100.0, None)]).2;
+    assert!(of(0.45).starts_with("abg describes the sample best: "));
+    let said = of(0.76);
+    assert!(
+        said.starts_with("no model describes the sample; abg comes nearest"),
+        "{said}"
+    );
+    assert!(said.contains("76.0 %") && said.contains("gonio build"), "{said}");
+}
+
+#[test]
 fn more_light_than_there_is_counts_beyond_its_expanded_uncertainty_only() {
     let ward = || model("ward", &[0.033, 0.042], -90.0, None);
     let ggx = |u| scattering(model("ggx", &[0.030, 0.040], -100.0, None), 1.05, u);

@@ -82,7 +82,10 @@ def fit(
         typer.Option(metavar="R,G,B", help="Colour at any scale for the materials of a fit of one channel."),
     ] = None,
     colour_from: Annotated[
-        Path | None, typer.Option("--colour-from", help="The same from a spectrum (text file, first column).")
+        Path | None,
+        typer.Option(
+            "--colour-from", help="The same from the first spectrum of a text file (its second column)."
+        ),
     ] = None,
     illuminant: Annotated[str, typer.Option(help=f"{', '.join(ILLUMINANTS)}.")] = "D65",
     as_visible: Annotated[

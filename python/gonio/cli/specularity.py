@@ -86,8 +86,14 @@ def specularity(
     for i in found.inputs:
         if i.u > 0.0:
             out.print(f"  u({i.name}) {i.u:.3g}: sensitivity {i.sensitivity:.3g}, adds {i.contribution:.2g}")
+    if found.u > 0.0:
+        correlated = f", correlation {correlation:g} of the two readings" if correlation else ""
+        out.print(f"  u(specularity) {found.u:.2g}, all of them combined (k = 1){correlated}")
     if found.radiance is not None:
         p = found.radiance
+        if max(p.red, p.green, p.blue) > 1.0:
+            # The warning says so.
+            return
         colour = f"{p.red:.4f} {p.green:.4f} {p.blue:.4f}"
         out.print(f"  {p.material}  5  {colour}  {p.specularity:.4f} {p.roughness:.4g}")
 

@@ -35,7 +35,10 @@ pub(crate) fn fixed(x: f64) -> u32 {
     // 2^52 in the sum leaves whole numbers in the low bits; the half makes rounding a floor. Ties are whole
     // coordinates and go to the even neighbour, which is the cell they begin.
     const WHOLE: f64 = 4_503_599_627_370_496.0;
-    ((x * SCALE - 0.5).max(0.0).min(SCALE - 1.0) + WHOLE).to_bits() as u32
+    // A clamp would keep NaN.
+    #[expect(clippy::manual_clamp)]
+    let inside = (x * SCALE - 0.5).max(0.0).min(SCALE - 1.0);
+    (inside + WHOLE).to_bits() as u32
 }
 
 /// [`gonio_geom::disk::disk_to_square`].

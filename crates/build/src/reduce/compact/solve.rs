@@ -37,8 +37,7 @@ impl Grid {
     fn corners(&self, place: &[f32; 4]) -> Corners {
         let (mut at, mut share, mut used) = ([0u32; 16], [0.0f32; 16], 1);
         share[0] = 1.0;
-        for k in 0..4 {
-            let n = self.nodes[k];
+        for (k, &n) in self.nodes.iter().enumerate() {
             if n == 1 {
                 continue;
             }

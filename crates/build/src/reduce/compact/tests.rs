@@ -89,7 +89,8 @@ fn judged(name: &str, model: &dyn Bsdf, phis: &[f64], most_bytes: usize) -> Symm
 
 #[test]
 fn isotropic_materials_come_within_a_percent_in_fewer_than_16_kilobytes() {
-    let materials: [(&str, &[(&str, &[f64])]); 6] = [
+    type Part<'a> = (&'a str, &'a [f64]);
+    let materials: [(&str, &[Part<'_>]); 6] = [
         ("coated", &[("oren-nayar", &[0.35, 0.4]), ("ggx", &[0.04, 0.2])]),
         ("metal", &[("ggx-conductor", &[1.2, 7.0, 0.06])]),
         ("satin", &[("lambert", &[0.1]), ("beckmann", &[0.04, 0.35])]),
