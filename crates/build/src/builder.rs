@@ -211,7 +211,7 @@ pub(crate) fn part(
         .filter(|c| !c.method.needs_base() || !contest.bases.is_empty())
         .collect();
     let within = contest.run(&list, isotropic && options.candidate.is_none(), false);
-    let beyond = contest.beyond(&list);
+    let beyond = contest.beyond(&list, within.get(best(&within)));
     let Some(chosen) = within.get(best(&within)) else {
         return Err(BuildError::NoBase {
             side,

@@ -18,6 +18,8 @@ const WORST: f64 = 1.5;
 /// Candidates whose mean errors lie closer than this ratio are tied; the first in order is taken.
 const TIE: f64 = 1.01;
 
+/// Share of the error of a choice without a base that one with a base must stay below to take over past the data.
+const CLEARLY: f64 = 0.5;
 /// Exchange of source and receiver is used where it lowers the error by this factor.
 const GAIN: f64 = 0.95;
 
@@ -179,9 +181,23 @@ impl<'a> Contest<'a> {
 
     /// The rule past the measured incidences: the best of `list`, with source and receiver exchanged where the slices
     /// agree under exchange and the error at the edge is less so. `None` when no incidence can be left out there.
-    pub(crate) fn beyond(&self, list: &[Candidate]) -> Option<Tried> {
+    ///
+    /// Where `within`, the choice between incidences, needs no base, the sample has no lobes to speak of, and the two
+    /// incidences at the edge say little of what comes after them: a base has to halve the error there to take over.
+    pub(crate) fn beyond(&self, list: &[Candidate], within: Option<&Tried>) -> Option<Tried> {
         let mut tried = self.run(list, false, true);
-        let first = best(&tried);
+        let mut first = best(&tried);
+        let same = within.filter(|w| w.base.is_none()).and_then(|w| {
+            let method = w.candidate.method;
+            tried
+                .iter()
+                .position(|t| t.candidate.method == method && t.base.is_none() && !t.errors.is_empty())
+        });
+        if let Some(same) = same
+            && tried[first].mean() > CLEARLY * tried[same].mean()
+        {
+            first = same;
+        }
         if tried.get(first)?.errors.is_empty() {
             return None;
         }
