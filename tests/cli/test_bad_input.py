@@ -231,9 +231,12 @@ def test_a_parent_that_does_not_exist_is_named(run, campaign, tmp_path):
 
 def test_ctrl_c_exits_with_130_and_leaves_nothing(tmp_path):
     code = """
-import sys, time
+import signal, sys, time
 import gonio
 from gonio.cli import main
+
+# A program started in the background ignores the signal, and so would this one.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 def endless(*args, **kwargs):
     print("working", flush=True)
