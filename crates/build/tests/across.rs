@@ -7,7 +7,7 @@
 
 mod common;
 
-use common::{Noise, error, measure, thinned};
+use common::{Aside, Noise, error, measure, thinned};
 use gonio_bsdf::analytic::microfacet::catalogue::GgxSchlick;
 use gonio_bsdf::analytic::{
     Analytic, BoundedTransmissionLobe, HarveyShack, HarveyShackTransmission, Lambert, Spectrum, Sum, WardGmd,
@@ -80,31 +80,6 @@ impl Bsdf for Beads {
         if wi.side() == ws.side() {
             let chord2 = (wi.vec() - ws.vec()).length_squared();
             f[0] += 2.0 * (-chord2 / 0.15f64.powi(2)).exp() / (wi.cos_theta().abs() + ws.cos_theta().abs());
-        }
-    }
-}
-
-/// Two lobes; the one off the mirror direction leads light aside, so that source and receiver cannot be exchanged.
-struct OneWay(Sum);
-
-impl Bsdf for OneWay {
-    fn channels(&self) -> &[Channel] {
-        self.0.channels()
-    }
-
-    fn properties(&self) -> Properties {
-        Properties {
-            reciprocal: false,
-            ..self.0.properties()
-        }
-    }
-
-    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
-        self.0.eval(wi, ws, f);
-        if wi.side() == ws.side() {
-            let sine = 0.7 * wi.theta().sin() + 0.2;
-            let axis = Direction::from_spherical(sine.asin(), wi.phi() + std::f64::consts::PI);
-            f[0] += 3.0 * (-(axis.vec() - ws.vec()).length_squared() / 0.04).exp();
         }
     }
 }
@@ -264,7 +239,12 @@ fn exchange_of_source_and_receiver_is_used_only_where_the_readings_agree_under_i
         "{:?}",
         reciprocal.summary()
     );
-    let one_way = OneWay(parts());
+    let one_way = Aside {
+        material: parts(),
+        sine: |sine| 0.7 * sine + 0.2,
+        width: 0.2,
+        peak: 3.0,
+    };
     let data = read(&one_way, Reflection, NONE);
     let model = DataDriven::build(&data, &BuildOptions::default()).unwrap();
     let summary = &model.summary()[0];

@@ -9,23 +9,13 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{Noise, error, measure, thinned};
+use common::{Aside, EIGHT, Noise, error, measure, thinned};
 use gonio_bsdf::analytic::microfacet::catalogue::{BeckmannDielectric, GgxSchlick};
 use gonio_bsdf::analytic::{Analytic, HarveyShack, Lambert, Spectrum, Sum, WardGmd};
-use gonio_bsdf::{Bsdf, Channel, Properties};
+use gonio_bsdf::{Bsdf, Channel};
 use gonio_build::{BuildOptions, DataDriven};
 use gonio_geom::{Component::Reflection, Direction};
 
-const EIGHT: [(f64, f64); 8] = [
-    (10.0, 180.0),
-    (20.0, 180.0),
-    (30.0, 180.0),
-    (40.0, 180.0),
-    (50.0, 180.0),
-    (60.0, 180.0),
-    (70.0, 180.0),
-    (80.0, 180.0),
-];
 const NOISE: Noise = Noise(0.01, 2e-4);
 
 fn grey(value: f64) -> Spectrum {
@@ -42,32 +32,6 @@ fn facets<F: gonio_bsdf::analytic::Formula>(p: &[f64]) -> Box<dyn Bsdf> {
 
 fn gloss(alpha: f64) -> Sum {
     over_lambert(0.3, Box::new(WardGmd::isotropic(&grey(0.4), alpha).unwrap()))
-}
-
-/// A fifth of the light in a Gaussian of the given width, far from the mirror direction.
-struct Aside(Sum, f64);
-
-impl Bsdf for Aside {
-    fn channels(&self) -> &[Channel] {
-        self.0.channels()
-    }
-
-    fn properties(&self) -> Properties {
-        Properties {
-            reciprocal: false,
-            ..self.0.properties()
-        }
-    }
-
-    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
-        self.0.eval(wi, ws, f);
-        if wi.side() == ws.side() {
-            let width2 = self.1 * self.1;
-            let sine: f64 = 0.7 * wi.theta().sin() - 0.3;
-            let axis = Direction::from_spherical(sine.asin(), wi.phi() + PI);
-            f[0] += 0.2 / (PI * width2) * (-(axis.vec() - ws.vec()).length_squared() / width2).exp();
-        }
-    }
 }
 
 #[test]
@@ -139,7 +103,14 @@ fn more_noise_means_a_larger_slice_error_and_as_large_a_step_of_incidence() {
 #[test]
 fn a_peak_between_the_lines_of_readings_is_called_undersampled() {
     // Rings of readings are 3 degrees apart there, the peak is 3.4 degrees wide.
-    let data = measure(&Aside(gloss(0.2), 0.03), &EIGHT[..6], &[Reflection], 88.0, NOISE);
+    // A fifth of the light.
+    let aside = Aside {
+        material: gloss(0.2),
+        sine: |sine| 0.7 * sine - 0.3,
+        width: 0.03,
+        peak: 0.2 / (PI * 0.03 * 0.03),
+    };
+    let data = measure(&aside, &EIGHT[..6], &[Reflection], 88.0, NOISE);
     let model = DataDriven::build(&data, &BuildOptions::default()).unwrap();
     assert!(
         model.warnings().iter().any(|w| w.contains("undersampled")),

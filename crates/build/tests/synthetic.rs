@@ -9,7 +9,7 @@ mod common;
 
 use std::sync::LazyLock;
 
-use common::{Noise, error, measure};
+use common::{EIGHT, Noise, error, measure};
 use gonio_bsdf::Bsdf;
 use gonio_bsdf::analytic::{Analytic, BoundedTransmissionLobe, Lambert, Spectrum, Sum, WardGmd};
 use gonio_build::{BuildOptions, Coverage, DataDriven};
@@ -18,17 +18,6 @@ use gonio_geom::{
     Direction,
 };
 use proptest::prelude::*;
-
-const EIGHT: [(f64, f64); 8] = [
-    (10.0, 180.0),
-    (20.0, 180.0),
-    (30.0, 180.0),
-    (40.0, 180.0),
-    (50.0, 180.0),
-    (60.0, 180.0),
-    (70.0, 180.0),
-    (80.0, 180.0),
-];
 
 /// Incidences between those of [`EIGHT`].
 const HELD_OUT: [f64; 7] = [15.0, 25.0, 35.0, 45.0, 55.0, 65.0, 75.0];

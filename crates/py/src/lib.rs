@@ -9,6 +9,7 @@ mod compact;
 mod errors;
 mod files;
 mod fit;
+mod fit_data;
 mod model;
 mod model_files;
 mod processing;

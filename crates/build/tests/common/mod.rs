@@ -4,16 +4,16 @@
 
 use std::f64::consts::PI;
 
-use gonio_bsdf::{Bsdf, Channel};
+use gonio_bsdf::analytic::Sum;
+use gonio_bsdf::{Bsdf, Channel, Properties};
 use gonio_geom::{Angles, Component, DVec3, Direction};
 use gonio_scan::{Flags, Measurement, Slice};
 use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
-/// Standard normal numbers (Box-Muller).
 fn normal(rng: &mut Pcg64Mcg) -> f64 {
-    let (u, v): (f64, f64) = (rng.random(), rng.random());
-    (-2.0 * (1.0 - u).ln()).sqrt() * (2.0 * PI * v).cos()
+    StandardNormal.sample(rng)
 }
 
 /// The path of an arc scanner: rings 3 degrees apart read every 0.2 degrees up to `last`, and a patch of 15 degrees
@@ -175,4 +175,51 @@ pub(crate) fn error(truth: &dyn Bsdf, model: &dyn Bsdf, wi: Direction, component
         }
     }
     (apart / total, predicted / total - 1.0)
+}
+
+/// Eight incidences in one plane.
+pub(crate) const EIGHT: [(f64, f64); 8] = [
+    (10.0, 180.0),
+    (20.0, 180.0),
+    (30.0, 180.0),
+    (40.0, 180.0),
+    (50.0, 180.0),
+    (60.0, 180.0),
+    (70.0, 180.0),
+    (80.0, 180.0),
+];
+
+/// A material and a Gaussian lobe of its own direction: neither follows the mirror, nor can source and receiver be
+/// exchanged.
+pub(crate) struct Aside {
+    pub(crate) material: Sum,
+    /// Sine of the lobe's polar angle from that of the incidence; it leaves at the mirror azimuth.
+    pub(crate) sine: fn(f64) -> f64,
+    /// 1/e half width, as a chord.
+    pub(crate) width: f64,
+    /// Its highest value, 1/sr.
+    pub(crate) peak: f64,
+}
+
+impl Bsdf for Aside {
+    fn channels(&self) -> &[Channel] {
+        self.material.channels()
+    }
+
+    fn properties(&self) -> Properties {
+        Properties {
+            reciprocal: false,
+            ..self.material.properties()
+        }
+    }
+
+    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
+        self.material.eval(wi, ws, f);
+        if wi.side() == ws.side() {
+            let sine = (self.sine)(wi.theta().sin());
+            let axis = Direction::from_spherical(sine.asin(), wi.phi() + PI);
+            let chord = (axis.vec() - ws.vec()).length();
+            f[0] += self.peak * (-(chord / self.width).powi(2)).exp();
+        }
+    }
 }
