@@ -2,29 +2,26 @@
 
 use gonio_bsdf::{Channel, Quantity};
 use gonio_geom::{Angles, Direction, Side};
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
 
 use crate::{Scan, ScanKind, ScanMeta};
 
-/// Normal deviates from a fixed seed (PCG-like multiplier, Box–Muller), so that a failing case repeats.
-pub(crate) struct Noise(u64);
+/// Deviates from a fixed seed, so that a failing case repeats.
+pub(crate) struct Noise(Pcg64Mcg);
 
 impl Noise {
     pub(crate) fn new(seed: u64) -> Self {
-        Noise(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+        Noise(Pcg64Mcg::seed_from_u64(seed))
     }
 
     pub(crate) fn uniform(&mut self) -> f64 {
-        // splitmix64
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.random()
     }
 
     pub(crate) fn normal(&mut self) -> f64 {
-        let u = 1.0 - self.uniform();
-        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
+        StandardNormal.sample(&mut self.0)
     }
 }
 
