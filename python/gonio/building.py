@@ -18,6 +18,7 @@ CANDIDATES = tuple(
     for name in (
         "model x half-vector",
         "model x components",
+        "model x turned components",
         "model x mirror-frame",
         "model x cosine-shift",
         "model x ratio",
@@ -27,7 +28,7 @@ CANDIDATES = tuple(
         "mirror-frame",
         "naive",
     )
-    for suffix in ("", ", cubic")
+    for suffix in ("", ", cubic", ", quadratic")
 )
 """Names of the interpolations over incidence."""
 

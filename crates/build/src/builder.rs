@@ -6,12 +6,13 @@ use gonio_geom::{Angles, Component, DVec3, Side};
 use gonio_scan::Slice;
 use rayon::prelude::*;
 
-use crate::across::Candidate;
+use crate::across::{Candidate, Order};
 use crate::base::{Base, Fitting, Picked, Recipe, recipes, with_retro};
 use crate::choice::{Contest, best};
 use crate::data_driven::{BuildOptions, PartSummary};
 use crate::error::BuildError;
 use crate::hold_out::SliceError;
+use crate::images::{Images, Symmetry};
 use crate::incidence::Part;
 use crate::leave_one_out::{Held, LooError};
 use crate::node::{Node, Statistics};
@@ -19,7 +20,7 @@ use crate::plane::from_plane;
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
 use crate::stated::PartErrors;
-use crate::symmetry::{Incidence, SAME_THETA, half_measured, mirror_symmetric, polar};
+use crate::symmetry::{self, Incidence, SAME_THETA, half_measured, mirror_symmetric, polar};
 use crate::unknowable;
 
 /// Fewest readings of a slice.
@@ -29,11 +30,18 @@ const LEAST_READINGS: usize = 12;
 /// scattering plane: about a degree.
 const LEAST_EXTENT: f64 = 0.01;
 
-/// Readings of an incidence that predictions of it are compared with.
+/// Readings of an incidence that predictions of it are compared with; with axes, where there are more incidences, and those
+/// of all incidences.
 const HELD_READINGS: usize = 3000;
+const HELD_WITH_AXES: usize = 1200;
 
-/// Readings of an incidence that a base is fitted to.
+/// Readings of an incidence that a base is fitted to, and about those of all incidences together.
 const FIT_READINGS: usize = 700;
+const FIT_ALL: usize = 8000;
+const LEAST_FIT: usize = 150;
+
+/// Where a base of one lobe comes no closer to the readings of a sample with axes (relative L1), two lobes are tried.
+const ONE_LOBE: f64 = 0.02;
 
 /// How many bases are tried across incidences, and how far behind the best one they may be (ratio of their errors).
 const BASES: usize = 2;
@@ -90,6 +98,13 @@ impl Pile<'_> {
 }
 
 impl Pile<'_> {
+    /// Distance of the readings about the peak, radians.
+    fn peak_spacing(&self) -> Option<f64> {
+        let each = self.surfaces.iter().zip(&self.readings);
+        each.filter_map(|(s, r)| Picked::peak_spacing(&r.value, &s.solid_angles()))
+            .reduce(f64::min)
+    }
+
     /// Error of its mean slice between readings.
     fn slice_error(&self, bilateral: bool) -> SliceError {
         let each: Vec<SliceError> = self
@@ -134,15 +149,26 @@ pub(crate) fn part(
         .iter()
         .map(|p| local_incidence(p.incidence, isotropic))
         .collect();
+    let compared = if isotropic { HELD_READINGS } else { HELD_WITH_AXES };
     let held: Vec<Picked> = piles
         .par_iter()
-        .map(|p| p.picked(HELD_READINGS, |f, z| f * z))
+        .map(|p| p.picked(compared, |f, z| f * z))
         .collect();
     let fitting = {
+        let most = if isotropic {
+            FIT_READINGS
+        } else {
+            (FIT_ALL / piles.len()).clamp(LEAST_FIT, FIT_READINGS)
+        };
         let readings = piles
             .par_iter()
-            .map(|p| p.picked(FIT_READINGS, |f, z| (f * z).cbrt().powi(2)));
-        Fitting::new(component, directions.clone(), readings.collect())
+            .map(|p| p.picked(most, |f, z| (f * z).cbrt().powi(2)));
+        let spacing = piles
+            .iter()
+            .filter_map(Pile::peak_spacing)
+            .fold(f64::INFINITY, f64::min);
+        let spacing = if spacing.is_finite() { spacing } else { 0.0 };
+        Fitting::new(component, directions.clone(), readings.collect(), spacing)
     };
     let bases = bases(&fitting, component, isotropic, &options.without)?;
     let base = bases.first().map(|(_, base)| Arc::clone(base));
@@ -158,6 +184,27 @@ pub(crate) fn part(
         .flat_map(|p| p.surfaces.par_iter().filter_map(mirror_symmetric))
         .collect();
     let bilateral = isotropic && !agree.is_empty() && 2 * agree.iter().filter(|a| **a).count() > agree.len();
+
+    let slice_errors: Vec<SliceError> = piles.par_iter().map(|p| p.slice_error(bilateral)).collect();
+    let symmetry = if isotropic {
+        Symmetry::Isotropic
+    } else {
+        let slices: Vec<(DVec3, &SliceSurface)> = piles
+            .iter()
+            .zip(&directions)
+            .flat_map(|(p, &i)| p.surfaces.iter().map(move |s| (i, s)))
+            .collect();
+        let known = slice_errors.iter().map(SliceError::total).sum::<f64>() / slice_errors.len() as f64;
+        let (images, difference) = symmetry::images(&slices, 2.0 * known);
+        if images != Images::None {
+            notes.push(format!(
+                "{side} {component}: slices agree with their images within {:.1} % (mean relative L1): taken as {}",
+                100.0 * difference,
+                images.name()
+            ));
+        }
+        Symmetry::Axes(images)
+    };
 
     // Copies share the number of the first of them.
     let mut groups: Vec<usize> = (0..piles.len()).collect();
@@ -195,7 +242,6 @@ pub(crate) fn part(
             }
         })
         .collect();
-    let slice_errors: Vec<SliceError> = piles.par_iter().map(|p| p.slice_error(bilateral)).collect();
     drop(piles);
     if all.len() == 1 {
         notes.push(format!(
@@ -203,14 +249,15 @@ pub(crate) fn part(
         ));
     }
 
-    let contest = Contest::new(&all, isotropic, component, Some(&fitting), bases);
+    let contest = Contest::new(&all, symmetry, component, Some(&fitting), bases);
     let list: Vec<Candidate> = options
         .candidate
         .map_or(Candidate::ALL.to_vec(), |c| vec![c])
         .into_iter()
         .filter(|c| !c.method.needs_base() || !contest.bases.is_empty())
         .collect();
-    let within = contest.run(&list, isotropic && options.candidate.is_none(), false);
+    let higher = if isotropic { Order::Cubic } else { Order::Quadratic };
+    let within = contest.run(&list, options.candidate.is_none().then_some(higher), false);
     let beyond = contest.beyond(&list, within.get(best(&within)));
     let Some(chosen) = within.get(best(&within)) else {
         return Err(BuildError::NoBase {
@@ -241,7 +288,7 @@ pub(crate) fn part(
     let errors = PartErrors::new(
         &all,
         slice_errors.clone(),
-        isotropic,
+        symmetry,
         rule.candidate,
         &contest.folds,
         &chosen.errors,
@@ -266,13 +313,14 @@ pub(crate) fn part(
         reciprocity: contest.reciprocity(),
         exchange: beyond_rule.exchange,
         bilateral,
+        symmetry: symmetry.name(),
         candidate: rule.candidate,
         base: rule.base.as_ref().map(|b| b.name.clone()),
         beyond: beyond_rule.candidate,
         beyond_base: beyond_rule.base.as_ref().map(|b| b.name.clone()),
         scores,
     };
-    let part = Part::new(nodes, isotropic, rule, beyond_rule);
+    let part = Part::new(nodes, symmetry, rule, beyond_rule);
     notes.extend(unknowable::notes(
         &format!("{side} {component}"),
         &all,
@@ -296,19 +344,27 @@ fn bases(
     without: &[String],
 ) -> Result<Vec<(Recipe, Arc<Base>)>, BuildError> {
     let fitted = |recipe: Recipe| -> Option<(Recipe, Arc<Base>, f64)> {
-        let base = fitting.fit(&recipe, |_| true)?;
+        let base = fitting.fit(&recipe, None, |_| true)?;
         let error = fitting.error(&base, |_| true);
         error.is_finite().then(|| (recipe, Arc::new(base), error))
     };
-    let mut recipes = recipes(component, isotropic)?;
-    recipes.retain(|r| {
-        r.model
-            .parts
-            .iter()
-            .all(|p| !without.iter().any(|w| w == p.info().name))
-    });
-    let mut found: Vec<_> = recipes.into_par_iter().filter_map(fitted).collect();
+    let all_fitted = |recipes: Vec<Recipe>| -> Vec<(Recipe, Arc<Base>, f64)> {
+        let allowed = |r: &Recipe| {
+            let mut names = r.model.parts.iter().map(|p| p.info().name);
+            names.all(|name| !without.iter().any(|w| w == name))
+        };
+        recipes
+            .into_par_iter()
+            .filter(allowed)
+            .filter_map(fitted)
+            .collect()
+    };
+    let mut found = all_fitted(recipes(component, isotropic, false)?);
     found.sort_by(|a, b| a.2.total_cmp(&b.2));
+    if !isotropic && found.first().is_none_or(|f| f.2 > ONE_LOBE) {
+        found.extend(all_fitted(recipes(component, isotropic, true)?));
+        found.sort_by(|a, b| a.2.total_cmp(&b.2));
+    }
     if component == Component::Reflection
         && let Some((first, _, error)) = found.first()
         && let Some(retro) = fitted(with_retro(first))

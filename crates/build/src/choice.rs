@@ -5,8 +5,9 @@ use std::sync::Arc;
 use gonio_geom::Component;
 use rayon::prelude::*;
 
-use crate::across::Candidate;
+use crate::across::{Candidate, Order};
 use crate::base::{Base, Fitting, Recipe};
+use crate::images::Symmetry;
 use crate::incidence::Rule;
 use crate::leave_one_out::{Fold, Held, LooError, error, folds};
 use crate::node::Node;
@@ -23,8 +24,9 @@ const CLEARLY: f64 = 0.5;
 /// Exchange of source and receiver is used where it lowers the error by this factor.
 const GAIN: f64 = 0.95;
 
-/// How many of the linear candidates are tried with a cubic too.
-const CUBIC: usize = 2;
+/// How many of the linear candidates are tried with a higher order too.
+const HIGHER: usize = 2;
+const HIGHER_WITH_AXES: usize = 5;
 
 /// A base to try: fitted to everything, and to what each fold keeps.
 #[derive(Debug)]
@@ -36,7 +38,7 @@ pub(crate) struct Fitted {
 /// What the choice is made of.
 pub(crate) struct Contest<'a> {
     pub(crate) all: &'a [Held],
-    pub(crate) isotropic: bool,
+    pub(crate) symmetry: Symmetry,
     pub(crate) component: Component,
     pub(crate) bases: Vec<Fitted>,
     pub(crate) folds: Vec<Fold>,
@@ -67,20 +69,22 @@ impl<'a> Contest<'a> {
     /// Fits the bases in every fold.
     pub(crate) fn new(
         all: &'a [Held],
-        isotropic: bool,
+        symmetry: Symmetry,
         component: Component,
         fitting: Option<&Fitting>,
         bases: Vec<(Recipe, Arc<Base>)>,
     ) -> Self {
-        let folds = folds(all, isotropic);
+        let folds = folds(all, symmetry);
         let bases = bases
             .into_iter()
             .map(|(recipe, whole)| Fitted {
-                whole,
+                whole: Arc::clone(&whole),
                 folds: folds
                     .par_iter()
                     .map(|fold| {
-                        let base = fitting?.fit(&recipe, |k| fold.kept.contains(&k))?;
+                        // With axes there are many incidences and few of them are left out: the minimum hardly moves.
+                        let known = (!symmetry.is_isotropic()).then_some(&*whole);
+                        let base = fitting?.fit(&recipe, known, |k| fold.kept.contains(&k))?;
                         Some(Arc::new(base))
                     })
                     .collect(),
@@ -88,7 +92,7 @@ impl<'a> Contest<'a> {
             .collect();
         Contest {
             all,
-            isotropic,
+            symmetry,
             component,
             bases,
             folds,
@@ -116,7 +120,7 @@ impl<'a> Contest<'a> {
             Some(error(
                 self.all,
                 fold,
-                self.isotropic,
+                self.symmetry,
                 self.component,
                 candidate,
                 base,
@@ -131,8 +135,8 @@ impl<'a> Contest<'a> {
         })
     }
 
-    /// Every candidate of `list` with every base it can use, and of the best ones the cubic.
-    pub(crate) fn run(&self, list: &[Candidate], cubic: bool, beyond: bool) -> Vec<Tried> {
+    /// Every candidate of `list` with every base it can use, and the best ones of a `higher` order.
+    pub(crate) fn run(&self, list: &[Candidate], higher: Option<Order>, beyond: bool) -> Vec<Tried> {
         let mut tried: Vec<Tried> = Vec::new();
         for &candidate in list {
             let bases: Vec<Option<usize>> = if candidate.method.needs_base() {
@@ -146,15 +150,21 @@ impl<'a> Contest<'a> {
                     .filter_map(|b| self.tried(candidate, b, beyond, false)),
             );
         }
-        if cubic {
-            let mut order: Vec<usize> = (0..tried.len())
+        if let Some(order) = higher {
+            let mut places: Vec<usize> = (0..tried.len())
                 .filter(|&k| !tried[k].errors.is_empty())
                 .collect();
-            order.sort_by(|&a, &b| tried[a].mean().total_cmp(&tried[b].mean()));
-            let more: Vec<Tried> = order
+            places.sort_by(|&a, &b| tried[a].mean().total_cmp(&tried[b].mean()));
+            let more: Vec<Tried> = places
                 .iter()
-                .take(CUBIC)
-                .filter_map(|&k| self.tried(tried[k].candidate.with_cubic(), tried[k].base, beyond, false))
+                .take(if self.symmetry.is_isotropic() {
+                    HIGHER
+                } else {
+                    HIGHER_WITH_AXES
+                })
+                .filter_map(|&k| {
+                    self.tried(tried[k].candidate.with_order(order), tried[k].base, beyond, false)
+                })
                 .collect();
             tried.extend(more);
         }
@@ -174,7 +184,7 @@ impl<'a> Contest<'a> {
     pub(crate) fn reciprocity(&self) -> Option<f64> {
         let nodes: Vec<&Node> = self.all.iter().map(|h| &*h.node).collect();
         match self.component {
-            Component::Reflection => reciprocity::score(&nodes, self.isotropic),
+            Component::Reflection => reciprocity::score(&nodes, self.symmetry.is_isotropic()),
             Component::Transmission => None,
         }
     }
@@ -185,7 +195,7 @@ impl<'a> Contest<'a> {
     /// Where `within`, the choice between incidences, needs no base, the sample has no lobes to speak of, and the two
     /// incidences at the edge say little of what comes after them: a base has to halve the error there to take over.
     pub(crate) fn beyond(&self, list: &[Candidate], within: Option<&Tried>) -> Option<Tried> {
-        let mut tried = self.run(list, false, true);
+        let mut tried = self.run(list, None, true);
         let mut first = best(&tried);
         let same = within.filter(|w| w.base.is_none()).and_then(|w| {
             let method = w.candidate.method;

@@ -4,6 +4,7 @@
 //! mean of the secants on both sides, 0 where these disagree in sign. So every value lies between those of the two
 //! incidences, and noise is not amplified.
 
+use crate::images::Image;
 use crate::layout::{NORMAL, Neighbour};
 
 /// A measured incidence on the axis of polar angles; those seen from the other side of the normal are negative.
@@ -27,7 +28,7 @@ impl Stencil {
     pub(crate) fn new(thetas: &[f64], theta: f64) -> Option<Self> {
         let straight = |k: usize| {
             thetas.get(k).map(|&theta| Knot {
-                node: Neighbour::whole(k, false),
+                node: Neighbour::whole(k, Image::SAME),
                 theta,
             })
         };
@@ -35,7 +36,7 @@ impl Stencil {
         let first = usize::from(*thetas.first()? < NORMAL);
         let turned = |m: usize| {
             thetas.get(first + m).map(|&theta| Knot {
-                node: Neighbour::whole(first + m, true),
+                node: Neighbour::whole(first + m, Image::HALF_TURN),
                 theta: -theta,
             })
         };
@@ -120,7 +121,7 @@ mod tests {
         let about = |thetas: &[f64], theta| {
             let s = Stencil::new(thetas, theta).unwrap();
             let knots = [s.before, Some(s.between[0]), Some(s.between[1]), s.after];
-            knots.map(|k| k.map(|k| (k.node.node, k.node.turned, k.theta)))
+            knots.map(|k| k.map(|k| (k.node.node, k.node.image == Image::HALF_TURN, k.theta)))
         };
         let (t0, t1, t2) = (THETAS[0], THETAS[1], THETAS[2]);
         let below = [(1, true, -t1), (0, true, -t0), (0, false, t0), (1, false, t1)];

@@ -65,6 +65,9 @@ pub struct PartSummary {
     pub exchange: bool,
     /// Whether both halves about the plane of incidence were averaged.
     pub bilateral: bool,
+    /// Symmetry about the normal that the slices show: isotropic, quadrilateral (both mirror planes), bilateral, half-turn,
+    /// anisotropic (none).
+    pub symmetry: &'static str,
     /// The interpolation over incidence.
     pub candidate: Candidate,
     /// The parametric base it uses; `None` where it uses none.

@@ -2,12 +2,15 @@
 //!
 //! Between measured incidences one [`Rule`] holds, beyond them another; at a measured incidence both are its slice.
 
+use std::f64::consts::LN_2;
 use std::sync::Arc;
 
 use gonio_geom::DVec3;
 
-use crate::across::{Candidate, Counterpart, Frame, MOST_TERMS, Query, View};
+use crate::across::{Across, Candidate, Frame, MOST_TERMS, Order, Query, View};
 use crate::base::Base;
+use crate::cubic::Stencil;
+use crate::images::Symmetry;
 use crate::layout::{Layout, Near, Neighbour};
 use crate::node::Node;
 use crate::reciprocity;
@@ -36,6 +39,7 @@ pub(crate) struct Rule {
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     nodes: Vec<Arc<Node>>,
+    symmetry: Symmetry,
     layout: Layout,
     within: Rule,
     beyond: Rule,
@@ -44,14 +48,19 @@ pub(crate) struct Part {
 impl Part {
     /// Interpolates between `nodes` (at least one; in isotropic layout sorted by polar angle) by `within`, and past
     /// the last of them (outside their hull) by `beyond`.
-    pub(crate) fn new(nodes: Vec<Arc<Node>>, isotropic: bool, within: Rule, beyond: Rule) -> Self {
+    pub(crate) fn new(nodes: Vec<Arc<Node>>, symmetry: Symmetry, within: Rule, beyond: Rule) -> Self {
         let directions: Vec<DVec3> = nodes.iter().map(|n| n.direction).collect();
         Part {
-            layout: Layout::new(&directions, isotropic),
+            layout: Layout::new(&directions, symmetry),
+            symmetry,
             nodes,
             within,
             beyond,
         }
+    }
+
+    pub(crate) fn symmetry(&self) -> Symmetry {
+        self.symmetry
     }
 
     pub(crate) fn nodes(&self) -> &[Arc<Node>] {
@@ -67,16 +76,51 @@ impl Part {
     #[inline]
     pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
         let (i, s) = self.layout.frame(i, s);
+        self.eval_about(&self.about(i), s)
+    }
+
+    /// [`Part::eval`] of one incidence and many directions, faster.
+    pub(crate) fn eval_each(&self, i: DVec3, directions: impl Iterator<Item = DVec3>) -> Vec<f64> {
+        let about = self.about(self.layout.frame(i, DVec3::Z).0);
+        directions
+            .map(|s| self.eval_about(&about, self.layout.frame(i, s).1))
+            .collect()
+    }
+
+    /// What a query needs to know of an incidence in the frame of the slices.
+    #[inline]
+    fn about(&self, i: DVec3) -> About {
         let near = self.layout.near(i);
-        if !near.beyond {
-            return self.by(&self.within, &near, i, s);
+        let rule = if near.beyond { &self.beyond } else { &self.within };
+        self.about_by(rule, near, i)
+    }
+
+    #[inline]
+    fn about_by(&self, rule: &Rule, near: Near, i: DVec3) -> About {
+        let several = near.len() > 1;
+        About {
+            i,
+            stencil: (rule.candidate.order == Order::Cubic && several)
+                .then(|| self.layout.stencil(i))
+                .flatten(),
+            quadratic: (rule.candidate.order == Order::Quadratic && several && near.inside)
+                .then(|| self.layout.near_quadratic(i))
+                .flatten(),
+            near,
         }
-        let direct = self.by(&self.beyond, &near, i, s);
+    }
+
+    #[inline]
+    fn eval_about(&self, about: &About, s: DVec3) -> f64 {
+        if !about.near.beyond {
+            return self.by(&self.within, about, s);
+        }
+        let direct = self.by(&self.beyond, about, s);
         if !self.beyond.exchange {
             return direct;
         }
-        let weight = reciprocity::weight(self.layout.past(i), self.layout.past(s));
-        match self.exchanged(s, i) {
+        let weight = reciprocity::weight(self.layout.past(about.i), self.layout.past(s));
+        match self.exchanged(s, about.i) {
             Some(value) => weight * value + (1.0 - weight) * direct,
             None => direct,
         }
@@ -86,12 +130,16 @@ impl Part {
     fn exchanged(&self, i: DVec3, s: DVec3) -> Option<f64> {
         let (i, s) = self.layout.frame(i, s);
         let near = self.layout.near(i);
-        (near.inside && self.seen(&self.within, &near, i, s)).then(|| self.by(&self.within, &near, i, s))
+        if !near.inside || !self.seen(&self.within, &near, i, s) {
+            return None;
+        }
+        Some(self.by(&self.within, &self.about_by(&self.within, near, i), s))
     }
 
-    /// The value by `rule` from the slices `near`, both directions in their frame.
+    /// The value by `rule`, direction and incidence in the frame of the slices.
     #[inline]
-    fn by(&self, rule: &Rule, near: &Near, i: DVec3, s: DVec3) -> f64 {
+    fn by(&self, rule: &Rule, about: &About, s: DVec3) -> f64 {
+        let i = about.i;
         let query = Query {
             i,
             s,
@@ -99,10 +147,6 @@ impl Part {
         };
         let way = rule.candidate.way();
         let mut terms = [0.0; MOST_TERMS];
-        let several = near.iter().count() > 1;
-        let stencil = (rule.candidate.cubic && several)
-            .then(|| self.layout.stencil(i))
-            .flatten();
         for (term, &frame) in way.frames().iter().enumerate() {
             let read = |k: &Neighbour, frame: Frame| {
                 let view = View {
@@ -115,28 +159,58 @@ impl Part {
                 } else {
                     fade(at.direction.z)
                 };
-                let value = |at: Counterpart| way.read(term, &query, &view, at);
-                (if visible > 0.0 { value(at) } else { 0.0 }, visible)
-            };
-            let cubic = stencil.map(|(theta, stencil)| {
-                let mut visible = 1.0f64;
-                let mut value = |k: Neighbour| {
-                    let (v, seen) = read(&k, frame);
-                    visible = visible.min(seen);
-                    v
+                let value = if visible > 0.0 {
+                    way.read(term, &query, &view, at)
+                } else {
+                    0.0
                 };
-                let between = stencil.between.map(|k| value(k.node));
-                let before = stencil.before.map(|k| value(k.node));
-                let after = stencil.after.map(|k| value(k.node));
-                (stencil.interpolate(theta, before, between, after), visible)
-            });
-            terms[term] = match cubic {
+                (value, visible)
+            };
+            terms[term] = match self.higher(way, about, |k| read(k, frame)) {
                 Some((value, 1.0)) => value,
-                Some((value, v)) if v > 0.0 => v * value + (1.0 - v) * linear(near, frame, read),
-                _ => linear(near, frame, read),
+                Some((value, v)) if v > 0.0 => v * value + (1.0 - v) * linear(&about.near, frame, read),
+                _ => linear(&about.near, frame, read),
             };
         }
         way.join(&query, &terms).max(0.0)
+    }
+
+    /// One number interpolated by a higher order where there is one, and how visible its counterparts are.
+    #[inline]
+    fn higher(
+        &self,
+        way: &dyn Across,
+        about: &About,
+        read: impl Fn(&Neighbour) -> (f64, f64),
+    ) -> Option<(f64, f64)> {
+        if let Some((theta, stencil)) = &about.stencil {
+            let mut visible = 1.0f64;
+            let mut value = |k: Neighbour| {
+                let (v, seen) = read(&k);
+                visible = visible.min(seen);
+                v
+            };
+            let between = stencil.between.map(|k| value(k.node));
+            let before = stencil.before.map(|k| value(k.node));
+            let after = stencil.after.map(|k| value(k.node));
+            return Some((stencil.interpolate(*theta, before, between, after), visible));
+        }
+        let near = about.quadratic.as_ref()?;
+        let (mut sum, mut visible) = (0.0, 1.0f64);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in near.iter() {
+            let (value, seen) = read(k);
+            sum += k.weight * value;
+            visible = visible.min(seen);
+            low = low.min(value);
+            high = high.max(value);
+        }
+        let (low, high) = if way.logarithmic() {
+            (low - LN_2, high + LN_2)
+        } else {
+            (low - 0.5 * low.abs(), high + high.abs())
+        };
+        Some((sum.clamp(low, high), visible))
     }
 
     /// How the value at `(i, s)` is known.
@@ -168,17 +242,28 @@ impl Part {
     }
 
     /// What slice `k` alone predicts; `None` where it was not read there.
-    pub(crate) fn alone(&self, k: usize, i: DVec3, s: DVec3) -> Option<f64> {
+    pub(crate) fn alone(&self, k: Neighbour, i: DVec3, s: DVec3) -> Option<f64> {
         let (i, s) = self.layout.frame(i, s);
         let near = Near::alone(k);
         self.seen(&self.within, &near, i, s)
-            .then(|| self.by(&self.within, &near, i, s))
+            .then(|| self.by(&self.within, &self.about_by(&self.within, near, i), s))
     }
 
     /// How the measured incidences lie.
     pub(crate) fn layout(&self) -> &Layout {
         &self.layout
     }
+}
+
+/// An incidence as queries see it.
+#[derive(Clone, Copy, Debug)]
+struct About {
+    i: DVec3,
+    near: Near,
+    /// Polar angle and the incidences around it, where a cubic is wanted and there is one.
+    stencil: Option<(f64, Stencil)>,
+    /// Weights of the local quadratic, where one is wanted and tame.
+    quadratic: Option<Near>,
 }
 
 /// Linear over incidence; the slices as they are where no counterpart is visible.

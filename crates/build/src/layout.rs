@@ -6,8 +6,10 @@ use std::sync::Arc;
 use gonio_geom::DVec3;
 
 use crate::cubic::Stencil;
+use crate::images::{Image, Images, Symmetry};
 use crate::mesh::Mesh;
-use crate::plane::{Point, to_plane};
+use crate::plane::Point;
+use crate::weights::{MOST, Natural, quadratic, to_incidence_plane};
 
 /// An incidence this close to the normal (radians) is the normal: 0.1 degrees.
 pub(crate) const NORMAL: f64 = 0.1 * std::f64::consts::PI / 180.0;
@@ -21,11 +23,22 @@ pub(crate) enum Layout {
     Anisotropic(Triangulated),
 }
 
-/// Directions of incidence with their triangulation (`None` for fewer than three, or in one plane).
+/// A measured incidence or an image of one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub(crate) node: usize,
+    pub(crate) image: Image,
+    /// Where the image lies.
+    pub(crate) direction: DVec3,
+}
+
+/// Directions of incidence and their images with their triangulation (`None` for fewer than three, or in one plane).
 #[derive(Clone, Debug)]
 pub(crate) struct Triangulated {
-    directions: Vec<DVec3>,
-    mesh: Option<Arc<Mesh>>,
+    nodes: usize,
+    placed: Vec<Placed>,
+    points: Vec<Point>,
+    mesh: Option<Arc<(Mesh, Natural)>>,
     hull: Vec<usize>,
 }
 
@@ -34,35 +47,31 @@ pub(crate) struct Triangulated {
 pub(crate) struct Neighbour {
     pub(crate) node: usize,
     pub(crate) weight: f64,
-    /// The slice is read with its azimuth turned by pi (an isotropic slice seen from the other side of the normal).
-    pub(crate) turned: bool,
+    /// The image of the slice that is read: an isotropic slice seen from the other side of the normal, or a mirror image.
+    pub(crate) image: Image,
 }
 
 impl Neighbour {
     /// A node that answers alone.
-    pub(crate) fn whole(node: usize, turned: bool) -> Self {
+    pub(crate) fn whole(node: usize, image: Image) -> Self {
         Neighbour {
             node,
             weight: 1.0,
-            turned,
+            image,
         }
     }
 
     /// A direction between the query's frame and the slice's.
     #[inline]
     pub(crate) fn turn(&self, v: DVec3) -> DVec3 {
-        if self.turned {
-            DVec3::new(-v.x, -v.y, v.z)
-        } else {
-            v
-        }
+        self.image.of(v)
     }
 }
 
-/// At most three neighbours, weights summing to 1.
+/// The neighbours of a query, weights summing to 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near {
-    list: [Neighbour; 3],
+    list: [Neighbour; MOST],
     count: usize,
     /// Whether the query lies between measured incidences.
     pub(crate) inside: bool,
@@ -72,47 +81,46 @@ pub(crate) struct Near {
 
 impl Near {
     fn of(entries: &[(usize, f64)], inside: bool) -> Self {
-        let mut list = [Neighbour::default(); 3];
-        for (slot, &(node, weight)) in list.iter_mut().zip(entries) {
-            *slot = Neighbour {
-                node,
-                weight,
-                turned: false,
-            };
+        Near::placed(entries, inside, |node| (node, Image::SAME))
+    }
+
+    fn placed(entries: &[(usize, f64)], inside: bool, of: impl Fn(usize) -> (usize, Image)) -> Self {
+        let mut list = [Neighbour::default(); MOST];
+        for (slot, &(k, weight)) in list.iter_mut().zip(entries) {
+            let (node, image) = of(k);
+            *slot = Neighbour { node, weight, image };
         }
         Near {
             list,
-            count: entries.len().min(3),
+            count: entries.len().min(MOST),
             inside,
             beyond: !inside,
         }
     }
 
-    /// One node alone.
-    pub(crate) fn alone(node: usize) -> Self {
-        Near::of(&[(node, 1.0)], true)
+    /// One slice alone.
+    pub(crate) fn alone(neighbour: Neighbour) -> Self {
+        let mut near = Near::of(&[(neighbour.node, 1.0)], true);
+        near.list[0] = neighbour;
+        near
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Neighbour> {
         self.list[..self.count].iter()
     }
+
+    pub(crate) fn len(&self) -> usize {
+        self.count
+    }
 }
 
 impl Layout {
-    /// The layout of local incidences.
-    pub(crate) fn new(directions: &[DVec3], isotropic: bool) -> Self {
-        if isotropic {
-            return Layout::Isotropic(directions.iter().map(|d| polar(*d)).collect());
+    /// The layout of local incidences under the images of `symmetry`.
+    pub(crate) fn new(directions: &[DVec3], symmetry: Symmetry) -> Self {
+        match symmetry {
+            Symmetry::Isotropic => Layout::Isotropic(directions.iter().map(|d| polar(*d)).collect()),
+            Symmetry::Axes(images) => Layout::Anisotropic(Triangulated::new(directions, images)),
         }
-        let mesh = Mesh::new(directions.iter().map(|&d| to_plane(d)).collect());
-        let hull = mesh
-            .as_ref()
-            .map_or_else(Vec::new, |m| m.hull().iter().map(|&k| k as usize).collect());
-        Layout::Anisotropic(Triangulated {
-            directions: directions.to_vec(),
-            mesh: mesh.map(Arc::new),
-            hull,
-        })
     }
 
     /// The query in the frame of the slices: an isotropic one is rotated until the incidence has azimuth pi.
@@ -138,30 +146,30 @@ impl Layout {
         }
     }
 
+    /// The same by a local quadratic of the direction of incidence; `None` where it would amplify errors, outside the
+    /// measured incidences, and in isotropic layout.
+    pub(crate) fn near_quadratic(&self, i: DVec3) -> Option<Near> {
+        let Layout::Anisotropic(a) = self else { return None };
+        let weights = quadratic(&a.points, to_incidence_plane(i))?;
+        Some(a.near_by(weights.as_slice(), true))
+    }
+
     /// Incidences that stand at the edge of what was measured: the last one, or those of the hull.
     pub(crate) fn rim(&self) -> Vec<usize> {
         match self {
             Layout::Isotropic(thetas) => vec![thetas.len() - 1],
-            Layout::Anisotropic(a) => a.hull.clone(),
+            Layout::Anisotropic(a) => a.on_hull(),
         }
     }
 
-    /// Incidences next to one another, each pair once.
-    pub(crate) fn pairs(&self) -> Vec<(usize, usize)> {
+    /// Incidences next to one another: each, or an image of it, beside another one as it was measured.
+    pub(crate) fn pairs(&self) -> Vec<(Neighbour, usize)> {
         match self {
-            Layout::Isotropic(thetas) => (1..thetas.len()).map(|k| (k - 1, k)).collect(),
-            Layout::Anisotropic(Triangulated { mesh: Some(mesh), .. }) => {
-                let mut pairs: Vec<(usize, usize)> = mesh
-                    .triangles()
-                    .iter()
-                    .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])])
-                    .map(|(a, b)| (a.min(b) as usize, a.max(b) as usize))
-                    .collect();
-                pairs.sort_unstable();
-                pairs.dedup();
-                pairs
-            }
-            Layout::Anisotropic(_) => Vec::new(),
+            Layout::Isotropic(thetas) => (1..thetas.len())
+                .flat_map(|k| [(k - 1, k), (k, k - 1)])
+                .map(|(a, b)| (Neighbour::whole(a, Image::SAME), b))
+                .collect(),
+            Layout::Anisotropic(a) => a.pairs(),
         }
     }
 
@@ -177,17 +185,18 @@ impl Layout {
     /// Square distance of an incidence to its neighbours, each by its weight: what the error of linear interpolation
     /// goes with; radians squared.
     pub(crate) fn spread(&self, i: DVec3) -> f64 {
-        let square = |node: usize, turned: bool| match self {
+        let square = |k: &Neighbour| match self {
             Layout::Isotropic(thetas) => {
-                let at = if turned { -thetas[node] } else { thetas[node] };
+                let theta = thetas[k.node];
+                let at = if k.image == Image::SAME { theta } else { -theta };
                 (at - polar(i)).powi(2)
             }
-            Layout::Anisotropic(a) => a.directions[node].dot(i).clamp(-1.0, 1.0).acos().powi(2),
+            Layout::Anisotropic(a) => {
+                let at = k.turn(a.placed[k.node].direction);
+                at.dot(i).clamp(-1.0, 1.0).acos().powi(2)
+            }
         };
-        self.near(i)
-            .iter()
-            .map(|k| k.weight * square(k.node, k.turned))
-            .sum()
+        self.near(i).iter().map(|k| k.weight * square(k)).sum()
     }
 
     /// The polar angle of an incidence and those around it; `None` in anisotropic layout, and past the data.
@@ -207,7 +216,10 @@ impl Layout {
                 let theta = polar(i);
                 &mut thetas.iter().map(move |t| (t - theta).abs())
             }
-            Layout::Anisotropic(a) => &mut a.directions.iter().map(move |d| d.dot(i).clamp(-1.0, 1.0).acos()),
+            Layout::Anisotropic(a) => &mut a
+                .placed
+                .iter()
+                .map(move |p| p.direction.dot(i).clamp(-1.0, 1.0).acos()),
         };
         angles.fold(f64::INFINITY, f64::min)
     }
@@ -217,7 +229,8 @@ impl Layout {
         match self {
             Layout::Isotropic(thetas) => (1..thetas.len().saturating_sub(1)).collect(),
             Layout::Anisotropic(a) if a.mesh.is_some() => {
-                (0..a.directions.len()).filter(|k| !a.hull.contains(k)).collect()
+                let edge = a.on_hull();
+                (0..a.nodes).filter(|k| !edge.contains(k)).collect()
             }
             Layout::Anisotropic(_) => Vec::new(),
         }
@@ -239,7 +252,7 @@ fn near_polar(thetas: &[f64], theta: f64) -> Near {
         }
         let turned = 0.5 * (1.0 - theta / first);
         let mut near = Near::of(&[(0, 1.0 - turned), (0, turned)], theta >= first - 1e-9);
-        near.list[1].turned = true;
+        near.list[1].image = Image::HALF_TURN;
         near.beyond = false;
         return near;
     }
@@ -251,43 +264,120 @@ fn near_polar(thetas: &[f64], theta: f64) -> Near {
     Near::of(&[(k, 1.0 - w), (k + 1, w)], true)
 }
 
+/// Images this close to a measured incidence (plane of incidences) are that incidence: half a degree.
+const SAME_PLACE: f64 = 0.5 / 90.0;
+
 impl Triangulated {
-    /// Barycentric in the triangle around the incidence; outside the hull linear along its nearest edge; without a
-    /// triangulation the nearest incidence alone.
-    fn near(&self, i: DVec3) -> Near {
-        let p = to_plane(i);
-        let Some(mesh) = &self.mesh else {
-            return Near::of(&[(self.nearest(i), 1.0)], false);
-        };
-        if let Some(at) = mesh.locate(p) {
-            let [a, b, c] = at.vertices.map(|k| k as usize);
-            if a == b {
-                return Near::of(&[(a, 1.0)], true);
+    /// The first entries are the incidences as measured.
+    fn new(directions: &[DVec3], images: Images) -> Self {
+        let mut placed: Vec<Placed> = Vec::new();
+        let mut points: Vec<Point> = Vec::new();
+        for image in images.iter() {
+            for (node, &direction) in directions.iter().enumerate() {
+                let direction = image.of(direction);
+                let p = to_incidence_plane(direction);
+                let there = |q: &Point| (q[0] - p[0]).hypot(q[1] - p[1]) < SAME_PLACE;
+                if image != Image::SAME && points.iter().any(there) {
+                    continue;
+                }
+                placed.push(Placed {
+                    node,
+                    image,
+                    direction,
+                });
+                points.push(p);
             }
-            let [x, y, z] = at.weights;
-            return Near::of(&[(a, x), (b, y), (c, z)], true);
         }
-        let points = mesh.points();
+        let mesh = Mesh::new(points.clone());
+        let hull = mesh
+            .as_ref()
+            .map_or_else(Vec::new, |m| m.hull().iter().map(|&k| k as usize).collect());
+        Triangulated {
+            nodes: directions.len(),
+            mesh: mesh.map(|m| {
+                let natural = Natural::new(&points, m.triangles());
+                Arc::new((m, natural))
+            }),
+            placed,
+            points,
+            hull,
+        }
+    }
+
+    fn near_by(&self, weights: &[(usize, f64)], inside: bool) -> Near {
+        Near::placed(weights, inside, |k| (self.placed[k].node, self.placed[k].image))
+    }
+
+    /// Natural neighbours; outside the hull linear along its nearest edge; without a triangulation the nearest incidence
+    /// alone.
+    fn near(&self, i: DVec3) -> Near {
+        let p = to_incidence_plane(i);
+        let Some(mesh) = &self.mesh else {
+            return self.near_by(&[(self.nearest(i), 1.0)], false);
+        };
+        let (mesh, natural) = &**mesh;
+        if let Some(at) = mesh.locate(p) {
+            let corners = at.vertices.map(|k| k as usize);
+            if let Some(k) = (0..3).find(|&k| at.weights[k] > 1.0 - 1e-9) {
+                return self.near_by(&[(corners[k], 1.0)], true);
+            }
+            return match natural.weights(&self.points, p) {
+                Some(weights) => self.near_by(weights.as_slice(), true),
+                None => {
+                    let entries: [(usize, f64); 3] = std::array::from_fn(|k| (corners[k], at.weights[k]));
+                    self.near_by(&entries, true)
+                }
+            };
+        }
         let mut best = (f64::INFINITY, 0, 0, 0.0);
         for (k, &a) in self.hull.iter().enumerate() {
             let b = self.hull[(k + 1) % self.hull.len()];
-            let (t, d2) = project_on(points[a], points[b], p);
+            let (t, d2) = project_on(self.points[a], self.points[b], p);
             if d2 < best.0 {
                 best = (d2, a, b, t);
             }
         }
         let (_, a, b, t) = best;
-        Near::of(&[(a, 1.0 - t), (b, t)], false)
+        self.near_by(&[(a, 1.0 - t), (b, t)], false)
     }
 
+    /// Position of the nearest incidence or image.
     fn nearest(&self, i: DVec3) -> usize {
         let mut best = 0;
-        for k in 1..self.directions.len() {
-            if self.directions[k].dot(i) > self.directions[best].dot(i) {
+        for k in 1..self.placed.len() {
+            if self.placed[k].direction.dot(i) > self.placed[best].direction.dot(i) {
                 best = k;
             }
         }
         best
+    }
+
+    /// Incidences that stand on the hull, themselves or their images.
+    fn on_hull(&self) -> Vec<usize> {
+        let mut nodes = Vec::new();
+        for &k in &self.hull {
+            if !nodes.contains(&self.placed[k].node) {
+                nodes.push(self.placed[k].node);
+            }
+        }
+        nodes
+    }
+
+    fn pairs(&self) -> Vec<(Neighbour, usize)> {
+        let Some(mesh) = &self.mesh else { return Vec::new() };
+        let triangles = mesh.0.triangles().iter();
+        let mut edges: Vec<(u32, u32)> = triangles
+            .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])])
+            .flat_map(|(a, b)| [(a, b), (b, a)])
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+            .into_iter()
+            .map(|(a, b)| (self.placed[a as usize], self.placed[b as usize]))
+            .filter(|(a, b)| b.image == Image::SAME && a.node != b.node)
+            .map(|(a, b)| (Neighbour::whole(a.node, a.image), b.node))
+            .collect()
     }
 }
 
@@ -325,11 +415,11 @@ mod tests {
         ]
         .map(|(t, p)| Direction::from_degrees(t, p).vec())
         .to_vec();
-        let aniso = Layout::new(&grid, false);
+        let aniso = Layout::new(&grid, Symmetry::Axes(Images::None));
         let polar: Vec<DVec3> = [10.0, 20.0, 60.0]
             .map(|t| Direction::from_degrees(t, 180.0).vec())
             .to_vec();
-        let iso = Layout::new(&polar, true);
+        let iso = Layout::new(&polar, Symmetry::Isotropic);
         for theta in [0.0, 5.0, 10.0, 29.0, 45.0, 89.0] {
             for phi in [0.0, 33.0, 180.0, 300.0] {
                 let i = Direction::from_degrees(theta, phi).vec();
@@ -345,9 +435,33 @@ mod tests {
     fn the_isotropic_frame_keeps_the_angle_and_puts_the_incidence_at_pi() {
         let i = Direction::from_degrees(40.0, 77.0).vec();
         let s = Direction::from_degrees(60.0, 200.0).vec();
-        let layout = Layout::new(&[i], true);
+        let layout = Layout::new(&[i], Symmetry::Isotropic);
         let (a, b) = layout.frame(i, s);
         assert!(a.y == 0.0 && a.x < 0.0 && (a.dot(b) - i.dot(s)).abs() < 1e-12);
         assert!((a.cross(b).z - i.cross(s).z).abs() < 1e-12, "no reflection");
+    }
+
+    #[test]
+    fn images_fill_the_azimuths_that_were_not_measured() {
+        let quarter: Vec<DVec3> = [(0.0, 0.0), (40.0, 0.0), (40.0, 45.0), (40.0, 90.0)]
+            .map(|(t, p)| Direction::from_degrees(t, p).vec())
+            .to_vec();
+        let layout = Layout::new(&quarter, Symmetry::Axes(Images::Quadrilateral));
+        assert_eq!(layout.interior(), vec![0]);
+        for phi in [20.0, 100.0, 200.0, 300.0] {
+            let i = Direction::from_degrees(25.0, phi).vec();
+            let near = layout.near(i);
+            assert!(near.inside && (total(near) - 1.0).abs() < 1e-12);
+            let p = to_incidence_plane(i);
+            for axis in 0..2 {
+                let mean: f64 = near
+                    .iter()
+                    .map(|k| k.weight * to_incidence_plane(k.turn(quarter[k.node]))[axis])
+                    .sum();
+                assert!((mean - p[axis]).abs() < 1e-9);
+            }
+        }
+        let half = Layout::new(&quarter, Symmetry::Axes(Images::None));
+        assert!(!half.near(Direction::from_degrees(25.0, 200.0).vec()).inside);
     }
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::across::Candidate;
 use crate::base::{Base, Picked};
+use crate::images::Symmetry;
 use crate::incidence::{Part, Rule};
 use crate::layout::Layout;
 use crate::node::Node;
@@ -50,9 +51,9 @@ pub(crate) struct Fold {
 }
 
 /// The folds of interior incidences, and those of incidences at the edge. Copies of an incidence are left out with it.
-pub(crate) fn folds(all: &[Held], isotropic: bool) -> Vec<Fold> {
+pub(crate) fn folds(all: &[Held], symmetry: Symmetry) -> Vec<Fold> {
     let directions: Vec<DVec3> = all.iter().map(|h| h.node.direction).collect();
-    let layout = Layout::new(&directions, isotropic);
+    let layout = Layout::new(&directions, symmetry);
     let without =
         |k: usize| -> Vec<usize> { (0..all.len()).filter(|&j| all[j].group != all[k].group).collect() };
     let mut out: Vec<Fold> = layout
@@ -64,7 +65,7 @@ pub(crate) fn folds(all: &[Held], isotropic: bool) -> Vec<Fold> {
             beyond: false,
         })
         .collect();
-    if isotropic {
+    if symmetry.is_isotropic() {
         // The last one from those before it, and the one before it from those before that.
         for k in [all.len().wrapping_sub(1), all.len().wrapping_sub(2)] {
             if k < all.len() && k >= 2 {
@@ -94,7 +95,7 @@ pub(crate) fn folds(all: &[Held], isotropic: bool) -> Vec<Fold> {
 pub(crate) fn error(
     all: &[Held],
     fold: &Fold,
-    isotropic: bool,
+    symmetry: Symmetry,
     component: Component,
     candidate: Candidate,
     base: Option<&Arc<Base>>,
@@ -106,16 +107,19 @@ pub(crate) fn error(
         base: base.cloned(),
         exchange,
     };
-    let part = Part::new(nodes, isotropic, rule.clone(), rule);
+    let part = Part::new(nodes, symmetry, rule.clone(), rule);
     let held = &all[fold.left_out];
     let (i, readings) = (held.node.direction, &held.readings);
     let sums = (0..readings.len())
-        .into_par_iter()
-        .with_min_len(64)
-        .map(|j| {
+        .collect::<Vec<_>>()
+        .par_chunks(128)
+        .flat_map_iter(|chunk| {
+            let predicted = part.eval_each(i, chunk.iter().map(|&j| readings.direction[j]));
+            chunk.iter().copied().zip(predicted)
+        })
+        .map(|(j, predicted)| {
             let s = readings.direction[j];
             let (f, w) = (readings.bsdf[j], readings.omega[j] * s.z);
-            let predicted = part.eval(i, s);
             let smooth = held.node.value(s);
             let d = predicted - f;
             // The weight holds one cosine; the square of a DSF needs the second.

@@ -5,6 +5,7 @@ mod builder;
 mod choice;
 mod energy;
 mod hold_out;
+mod images;
 mod incidence;
 mod layout;
 mod mesh;
@@ -16,6 +17,7 @@ mod smoothing;
 mod stated;
 mod table;
 mod unknowable;
+mod weights;
 
 pub mod across;
 pub mod channels;
@@ -27,7 +29,7 @@ pub mod reduce;
 pub mod slice_surface;
 pub mod symmetry;
 
-pub use across::{Candidate, Frame, Method};
+pub use across::{Candidate, Frame, Method, Order};
 pub use channels::SideBySide;
 pub use data_driven::{BuildOptions, DataDriven, PartSummary};
 pub use error::BuildError;

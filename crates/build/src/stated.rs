@@ -2,18 +2,19 @@
 //!
 //! The first comes from readings held out of the slices, the second from incidences left out of the model. An
 //! incidence left out stands in a gap twice as wide as those of the model; linear interpolation errs with the square of
-//! the gap, limited cubics with about its cube, extrapolation with the distance over the cosine.
+//! the gap, limited cubics and local quadratics with about its cube, extrapolation with the distance over the cosine.
 
 use gonio_geom::DVec3;
 
-use crate::across::Candidate;
+use crate::across::{Candidate, Order};
 use crate::hold_out::SliceError;
+use crate::images::Symmetry;
 use crate::layout::Layout;
 use crate::leave_one_out::{Fold, Held, LooError};
 
 /// Exponent of the squared spread that errors go with.
 const LINEAR: f64 = 1.0;
-const CUBIC: f64 = 1.5;
+const HIGHER: f64 = 1.5;
 
 /// Least share of the error of an incidence left out that is put down to interpolation, however large the errors of the
 /// slices are.
@@ -57,13 +58,17 @@ impl PartErrors {
     pub(crate) fn new(
         all: &[Held],
         slices: Vec<SliceError>,
-        isotropic: bool,
+        symmetry: Symmetry,
         candidate: Candidate,
         folds: &[Fold],
         within: &[LooError],
         beyond: &[LooError],
     ) -> Self {
-        let power = if candidate.cubic { CUBIC } else { LINEAR };
+        let power = if candidate.order == Order::Linear {
+            LINEAR
+        } else {
+            HIGHER
+        };
         let mut out = PartErrors {
             slices,
             power,
@@ -78,7 +83,7 @@ impl PartErrors {
             };
             let directions: Vec<DVec3> = fold.kept.iter().map(|&k| all[k].node.direction).collect();
             let kept: Vec<SliceError> = fold.kept.iter().map(|&k| out.slices[k]).collect();
-            let layout = Layout::new(&directions, isotropic);
+            let layout = Layout::new(&directions, symmetry);
             let i = all[fold.left_out].node.direction;
             let known = slice_part(&layout, &kept, i).hypot(out.slices[fold.left_out].total());
             let own = error.rel_l1_smooth;
@@ -143,7 +148,7 @@ mod tests {
     #[test]
     fn the_error_vanishes_at_measured_incidences_and_grows_between_and_beyond_them() {
         let at = |t: f64| Direction::from_degrees(t, 180.0).vec();
-        let layout = Layout::new(&[at(10.0), at(30.0), at(50.0)], true);
+        let layout = Layout::new(&[at(10.0), at(30.0), at(50.0)], Symmetry::Isotropic);
         let slice = SliceError {
             noise: 0.01,
             gap: 0.0,

@@ -1,8 +1,10 @@
 //! Which symmetry a measurement shows: isotropic or not, mirror-symmetric about the plane of incidence or not.
 
-use gonio_geom::{Angles, Component, Side};
+use gonio_geom::{Angles, Component, DVec3, Side};
 use gonio_scan::Slice;
+use rayon::prelude::*;
 
+use crate::images::{Image, Images};
 use crate::plane::Point;
 use crate::readings::{Readings, turn_to_pi};
 use crate::slice_surface::SliceSurface;
@@ -18,6 +20,10 @@ const EQUAL: f64 = 0.05;
 
 /// A hemisphere half with less than this share of the other's measured solid angle was not measured.
 const HALF_SHARE: f64 = 0.2;
+
+/// Every so manyth reading is compared with its image, in at most so many slices.
+const COMPARED: usize = 5;
+const MOST_COMPARED: usize = 4;
 
 /// What the builder is to assume about azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -152,14 +158,14 @@ fn one_plane(groups: &[Incidence<'_>], side: Side) -> bool {
 fn rotated_difference(a: &Incidence<'_>, b: &Incidence<'_>, component: Component) -> Option<f64> {
     let surface = |g: &Incidence<'_>| SliceSurface::new(&g.readings(component, true), true);
     let (a, b) = (surface(a)?, surface(b)?);
-    difference(&a, |p| b.measured(p).then(|| b.value(p)))
+    difference(&a, 1, |p| b.measured(p).then(|| b.value(p)))
 }
 
-/// Relative L1 difference, over the projected solid angle of the readings of `surface`, to what `other` says.
-fn difference(surface: &SliceSurface, other: impl Fn(Point) -> Option<f64>) -> Option<f64> {
+/// Relative L1 difference, over the projected solid angle of every `step`th reading of `surface`, to what `other` says.
+fn difference(surface: &SliceSurface, step: usize, other: impl Fn(Point) -> Option<f64>) -> Option<f64> {
     let omega = surface.solid_angles();
     let (mut apart, mut size) = (0.0, 0.0);
-    for (&p, w) in surface.points().iter().zip(omega) {
+    for (&p, w) in surface.points().iter().zip(omega).step_by(step) {
         let Some(image) = other(p) else { continue };
         let value = surface.value(p);
         let weight = w * crate::plane::from_plane(p).z;
@@ -172,10 +178,41 @@ fn difference(surface: &SliceSurface, other: impl Fn(Point) -> Option<f64>) -> O
 /// Whether the halves of a slice on both sides of the plane of incidence agree; `None` when only one was measured.
 pub(crate) fn mirror_symmetric(surface: &SliceSurface) -> Option<bool> {
     let image = |p: Point| [p[0], -p[1]];
-    difference(surface, |p| {
+    difference(surface, 1, |p| {
         surface.measured(image(p)).then(|| surface.value(image(p)))
     })
     .map(|d| d <= EQUAL)
+}
+
+/// The images under which slices with axes agree: the incidence of a slice mirrored or turned must have been measured, and
+/// the readings there agree as well as `allowed` or [`EQUAL`]. With the mean difference of the images that are kept.
+pub(crate) fn images(slices: &[(DVec3, &SliceSurface)], allowed: f64) -> (Images, f64) {
+    let mut worst: f64 = 0.0;
+    let mut shown = |image: Image| {
+        let pairs = slices.iter().flat_map(|&(i, a)| {
+            let there = image.of(i);
+            let same = move |other: &&(DVec3, &SliceSurface)| (other.0 - there).length() < SAME_THETA;
+            slices.iter().find(same).map(|&(_, b)| (a, b))
+        });
+        let compared: Vec<(&SliceSurface, &SliceSurface)> = pairs.take(MOST_COMPARED).collect();
+        let differences: Vec<f64> = compared
+            .into_par_iter()
+            .filter_map(|(a, b)| {
+                difference(a, COMPARED, |p| {
+                    let q = image.of_point(p);
+                    b.measured(q).then(|| b.value(q))
+                })
+            })
+            .collect();
+        let mean = differences.iter().sum::<f64>() / differences.len().max(1) as f64;
+        let agree = !differences.is_empty() && mean <= EQUAL.max(allowed);
+        if agree {
+            worst = worst.max(mean);
+        }
+        agree
+    };
+    let found = [Image::FLIP_X, Image::FLIP_Y, Image::HALF_TURN].map(&mut shown);
+    (Images::of(found[0], found[1], found[2]), worst)
 }
 
 /// Whether readings lie on one side of the plane of incidence only.

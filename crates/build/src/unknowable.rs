@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::hold_out::SliceError;
 use crate::incidence::Part;
+use crate::layout::Neighbour;
 use crate::leave_one_out::Held;
 use crate::node::Node;
 
@@ -36,9 +37,9 @@ pub(crate) fn notes(label: &str, all: &[Held], slices: &[SliceError], part: &Par
     }
     let mut switched: Option<(f64, usize, usize)> = None;
     for (a, b) in part.layout().pairs() {
-        let share = unlike(part, all, a, b).max(unlike(part, all, b, a));
+        let share = unlike(part, all, a, b);
         if share > switched.map_or(SWITCHED, |s| s.0) {
-            switched = Some((share, a, b));
+            switched = Some((share, a.node.min(b), a.node.max(b)));
         }
     }
     if let Some((share, a, b)) = switched {
@@ -54,7 +55,7 @@ pub(crate) fn notes(label: &str, all: &[Held], slices: &[SliceError], part: &Par
 }
 
 /// Share of the light of incidence `b` that its neighbour `a` does not predict within [`GONE`].
-fn unlike(part: &Part, all: &[Held], a: usize, b: usize) -> f64 {
+fn unlike(part: &Part, all: &[Held], a: Neighbour, b: usize) -> f64 {
     let (i, readings) = (all[b].node.direction, &all[b].readings);
     let (mut gone, mut all_light) = (0.0, 0.0);
     for j in 0..readings.len() {

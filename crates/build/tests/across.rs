@@ -50,7 +50,7 @@ fn read(truth: &dyn Bsdf, component: Component, noise: Noise) -> Measurement {
 
 fn by(measurement: &Measurement, method: Method, without: &[&str]) -> DataDriven {
     let options = BuildOptions {
-        candidate: Some(Candidate { method, cubic: false }),
+        candidate: Some(Candidate::linear(method)),
         without: without.iter().map(|w| (*w).to_owned()).collect(),
         ..BuildOptions::default()
     };

@@ -40,7 +40,8 @@ pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>
     let mut data = FitData::new(measurement, &options.selection, described, options.signature)?;
     let setting = Setting::new(model, &data, options)?;
     check(&data, model, &setting)?;
-    let start = setting.start(&data, None)?;
+    let known = setting.known(&data, options.start.as_deref())?;
+    let start = setting.start(&data, known.as_deref())?;
     let solution = refine(
         &setting.chart,
         &mut data,
@@ -201,6 +202,24 @@ impl<'a> Setting<'a> {
             found: "no finite cost".into(),
             evaluations,
         }
+    }
+
+    /// The variables of parameters that the search is to begin with, within their bounds.
+    fn known(&self, data: &FitData, start: Option<&[Vec<f64>]>) -> Result<Option<Vec<f64>>, FitError> {
+        let Some(start) = start else { return Ok(None) };
+        let (channels, parameters) = (data.channels.len(), self.chart.model.parameters.len());
+        if start.len() != channels || start.iter().any(|q| q.len() != parameters) {
+            return Err(FitError::Domain {
+                field: "start",
+                found: format!("{:?} values", start.iter().map(Vec::len).collect::<Vec<_>>()),
+                allowed: "one value a parameter for every channel",
+            });
+        }
+        let mut x = self.chart.variables_of(start);
+        for (x, (low, high)) in x.iter_mut().zip(self.low.iter().zip(&self.high)) {
+            *x = x.clamp(*low, *high);
+        }
+        Ok(Some(x))
     }
 
     /// The best point on a part of the readings; from `known` alone when it is given.

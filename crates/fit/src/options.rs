@@ -30,6 +30,9 @@ pub struct FitOptions<'a> {
     pub warnings: bool,
     /// Readings that the search for a starting point looks at.
     pub start_readings: usize,
+    /// Parameters to begin with, one list a channel in the order of [`crate::FitModel::parameters`], in place of that
+    /// search: where nearly the same readings were fitted before.
+    pub start: Option<Vec<Vec<f64>>>,
     /// Set it from another thread to stop.
     pub cancel: Option<&'a AtomicBool>,
 }
@@ -48,6 +51,7 @@ impl Default for FitOptions<'_> {
             profile: true,
             warnings: true,
             start_readings: 4000,
+            start: None,
             cancel: None,
         }
     }

@@ -47,7 +47,7 @@ impl DataDriven {
         self.0.loo().iter().map(|e| e.rel_rms).reduce(f64::max)
     }
 
-    /// How each side and component was built: side, component, incidences, readings, table_values, bilateral,
+    /// How each side and component was built: side, component, incidences, readings, table_values, bilateral, symmetry,
     /// reciprocity (relative L1 difference of exchanged readings, or None), exchange (whether that is used past the
     /// measured incidences), slices (theta_i, phi_i and the relative L1 error of each), candidate, base (its parametric
     /// model, or None), beyond and beyond_base (the same past the measured incidences), scores (mean relative L1 of every
@@ -65,6 +65,7 @@ impl DataDriven {
                 dict.set_item("readings", s.readings)?;
                 dict.set_item("table_values", s.table_values)?;
                 dict.set_item("bilateral", s.bilateral)?;
+                dict.set_item("symmetry", s.symmetry)?;
                 dict.set_item("reciprocity", s.reciprocity)?;
                 dict.set_item("exchange", s.exchange)?;
                 let slices = s.slice_errors.iter().map(|(incidence, error)| {
@@ -212,7 +213,11 @@ fn build(
 }
 
 fn candidate_of(name: &str) -> PyResult<core::Candidate> {
-    let all = core::Candidate::ALL.map(|c| [c, c.with_cubic()]).concat();
+    let all = core::Candidate::ALL
+        .map(|c| {
+            [core::Order::Linear, core::Order::Cubic, core::Order::Quadratic].map(|order| c.with_order(order))
+        })
+        .concat();
     all.iter().find(|c| c.name() == name).copied().ok_or_else(|| {
         let names: Vec<_> = all.iter().map(|c| c.name()).collect();
         domain("candidate", format!("{name:?}"), &names.join("; "))

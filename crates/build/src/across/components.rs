@@ -4,14 +4,23 @@ use super::{Across, Counterpart, Frame, MOST_TERMS, Query, View};
 use crate::base::Moves;
 
 #[derive(Debug)]
-pub(super) struct Components;
+pub(super) struct Components([Frame; 3]);
+
+/// Lobes of facets.
+pub(super) static FACETS: Components = Components([Frame::Still, Frame::HalfVector, Frame::Retro]);
+/// Lobes that turn with the through (mirror) direction.
+pub(super) static TURNED: Components = Components([Frame::Still, Frame::Mirror, Frame::Retro]);
 
 /// What moves in each of the frames.
 const MOVES: [Moves; 3] = [Moves::Not, Moves::Mirror, Moves::Retro];
 
 impl Across for Components {
     fn frames(&self) -> &[Frame] {
-        &[Frame::Still, Frame::HalfVector, Frame::Retro]
+        &self.0
+    }
+
+    fn logarithmic(&self) -> bool {
+        true
     }
 
     #[inline]

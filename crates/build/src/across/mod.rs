@@ -64,6 +64,11 @@ pub(crate) trait Across: Sync {
     /// The frame of each number that is carried over.
     fn frames(&self) -> &[Frame];
 
+    /// Whether the numbers are logarithms.
+    fn logarithmic(&self) -> bool {
+        false
+    }
+
     /// Number `term` as slice `view` has it at the counterpart `at` of the query.
     fn read(&self, term: usize, query: &Query<'_>, view: &View<'_>, at: Counterpart) -> f64;
 
@@ -83,6 +88,8 @@ pub enum Method {
     /// The same for each part of the base in its own frame: diffuse parts still, lobes at the same half-vector, a
     /// lobe about the incidence with it.
     Components,
+    /// The same with lobes turned with the mirror (through) direction.
+    TurnedComponents,
 }
 
 impl Method {
@@ -91,30 +98,47 @@ impl Method {
             Method::Plain(frame) => plain::of(frame),
             Method::Split(frame) => split::of(frame),
             Method::Ratio(frame) => ratio::of(frame),
-            Method::Components => &components::Components,
+            Method::Components => &components::FACETS,
+            Method::TurnedComponents => &components::TURNED,
         }
     }
 
     /// Whether it needs a parametric base.
     pub fn needs_base(self) -> bool {
-        matches!(self, Method::Ratio(_) | Method::Components)
+        matches!(
+            self,
+            Method::Ratio(_) | Method::Components | Method::TurnedComponents
+        )
     }
 }
 
-/// A way of interpolating across incidences, linear or cubic.
+/// How what is carried over is interpolated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Order {
+    /// Linear in the polar angle of incidence (isotropic samples), by natural neighbours (others).
+    #[default]
+    Linear,
+    /// A limited cubic of the polar angle of incidence (isotropic samples).
+    Cubic,
+    /// A guarded local quadratic of the direction of incidence (samples with axes).
+    Quadratic,
+}
+
+/// A way of interpolating across incidences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Candidate {
     /// What is carried over.
     pub method: Method,
-    /// Whether it is a limited cubic of the polar angle of incidence, not linear in it (isotropic samples).
-    pub cubic: bool,
+    /// How it is interpolated.
+    pub order: Order,
 }
 
 impl Candidate {
     /// Every candidate, the preferred one of a tie first.
-    pub const ALL: [Candidate; 10] = [
+    pub const ALL: [Candidate; 11] = [
         Candidate::linear(Method::Ratio(Frame::HalfVector)),
         Candidate::linear(Method::Components),
+        Candidate::linear(Method::TurnedComponents),
         Candidate::linear(Method::Ratio(Frame::Mirror)),
         Candidate::linear(Method::Ratio(Frame::CosineShift)),
         Candidate::linear(Method::Ratio(Frame::Still)),
@@ -125,13 +149,17 @@ impl Candidate {
         Candidate::linear(Method::Plain(Frame::Still)),
     ];
 
-    const fn linear(method: Method) -> Self {
-        Candidate { method, cubic: false }
+    /// `method`, linear over incidence.
+    pub const fn linear(method: Method) -> Self {
+        Candidate {
+            method,
+            order: Order::Linear,
+        }
     }
 
-    /// The same with the limited cubic over incidence.
-    pub const fn with_cubic(self) -> Self {
-        Candidate { cubic: true, ..self }
+    /// The same of another order over incidence.
+    pub const fn with_order(self, order: Order) -> Self {
+        Candidate { order, ..self }
     }
 
     pub(crate) fn way(self) -> &'static dyn Across {
@@ -143,7 +171,11 @@ impl Candidate {
         macro_rules! name {
             ($($method:pat => $name:literal),* $(,)?) => {
                 match self.method {
-                    $($method => if self.cubic { concat!($name, ", cubic") } else { $name },)*
+                    $($method => match self.order {
+                        Order::Linear => $name,
+                        Order::Cubic => concat!($name, ", cubic"),
+                        Order::Quadratic => concat!($name, ", quadratic"),
+                    },)*
                 }
             };
         }
@@ -164,6 +196,7 @@ impl Candidate {
             Method::Ratio(Frame::CosineShift) => "model x cosine-shift",
             Method::Ratio(Frame::Retro) => "model x retro",
             Method::Components => "model x components",
+            Method::TurnedComponents => "model x turned components",
         }
     }
 }

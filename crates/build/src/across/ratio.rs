@@ -21,6 +21,10 @@ impl Across for Ratio {
         &self.0
     }
 
+    fn logarithmic(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn read(&self, _term: usize, query: &Query<'_>, view: &View<'_>, at: Counterpart) -> f64 {
         query.base.map_or(0.0, |base| view.ln_ratio(base, at.direction))

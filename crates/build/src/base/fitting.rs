@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use gonio_bsdf::Channel;
+use gonio_bsdf::analytic::Role;
 use gonio_fit::{FitOptions, Metric, Selection, fit};
 use gonio_geom::{Component, DVec3, Direction};
 use gonio_scan::{Flags, Measurement, Slice};
@@ -15,6 +16,12 @@ const START_AGAIN: usize = 250;
 
 /// Every so manyth reading takes part where a base is fitted again.
 const AGAIN: usize = 2;
+
+/// Readings that say how densely the peak of a slice was read.
+const HIGHEST: usize = 40;
+
+/// Least width of a lobe over the distance of the readings about the peak. A narrower one hides between readings.
+const LEAST_WIDTH: f64 = 0.7;
 
 /// The floor of a base in units of the mean BSDF of its slices.
 const FLOOR: f64 = 1e-4;
@@ -75,6 +82,19 @@ impl Picked {
         self.bsdf.len()
     }
 
+    /// Typical distance of the readings where the BSDF is highest, radians: the square root of the solid angle of a reading,
+    /// the median over the highest [`HIGHEST`]. `None` for too few.
+    pub(crate) fn peak_spacing(bsdf: &[f64], omega: &[f64]) -> Option<f64> {
+        let mut order: Vec<usize> = (0..bsdf.len()).filter(|&j| omega[j] > 0.0).collect();
+        if order.len() < 2 * HIGHEST {
+            return None;
+        }
+        order.select_nth_unstable_by(HIGHEST, |&a, &b| bsdf[b].total_cmp(&bsdf[a]));
+        let mut highest: Vec<f64> = order[..HIGHEST].iter().map(|&j| omega[j]).collect();
+        highest.sort_unstable_by(f64::total_cmp);
+        Some(highest[HIGHEST / 2].sqrt())
+    }
+
     /// Integral of the DSF.
     pub(crate) fn albedo(&self) -> f64 {
         (0..self.len())
@@ -86,6 +106,8 @@ impl Picked {
 /// The readings a base is fitted to: one entry an incidence.
 pub(crate) struct Fitting {
     component: Component,
+    /// Distance of the readings about the peaks, radians: the least one of all slices; 0 when unknown.
+    spacing: f64,
     scale: f64,
     floor: f64,
     incidences: Vec<DVec3>,
@@ -95,7 +117,12 @@ pub(crate) struct Fitting {
 
 impl Fitting {
     /// Readings of `component` in the local frame.
-    pub(crate) fn new(component: Component, incidences: Vec<DVec3>, readings: Vec<Picked>) -> Self {
+    pub(crate) fn new(
+        component: Component,
+        incidences: Vec<DVec3>,
+        readings: Vec<Picked>,
+        spacing: f64,
+    ) -> Self {
         let albedo = readings.iter().map(Picked::albedo).fold(0.0, f64::max);
         let scale = (albedo / LARGEST).max(1.0);
         let slices = incidences
@@ -105,6 +132,7 @@ impl Fitting {
             .collect();
         Fitting {
             component,
+            spacing,
             scale,
             floor: (FLOOR * albedo / PI).max(f64::MIN_POSITIVE),
             incidences,
@@ -114,8 +142,13 @@ impl Fitting {
     }
 
     /// The base of `recipe` that describes the incidences for which `keep` holds best (cube roots of the DSF over
-    /// solid angle [ForesFerwerdaGu2012]); `None` when it cannot be fitted.
-    pub(crate) fn fit(&self, recipe: &Recipe, keep: impl Fn(usize) -> bool) -> Option<Base> {
+    /// solid angle [ForesFerwerdaGu2012]); `None` when it cannot be fitted. The search begins at `known` where that is given.
+    pub(crate) fn fit(
+        &self,
+        recipe: &Recipe,
+        known: Option<&Base>,
+        keep: impl Fn(usize) -> bool,
+    ) -> Option<Base> {
         let all = (0..self.slices.len()).all(&keep);
         let measurement = Measurement {
             slices: (0..self.slices.len())
@@ -141,9 +174,20 @@ impl Fitting {
             profile: false,
             warnings: false,
             start_readings: if all { START_READINGS } else { START_AGAIN },
+            start: known.map(|base| vec![base.parts.iter().flat_map(|p| p.values.clone()).collect()]),
             ..FitOptions::default()
         };
-        let found = fit(&measurement, &recipe.model, &options).ok()?;
+        // Slopes of facets are half as wide as what they scatter into.
+        let share = match self.component {
+            Component::Reflection => 0.5,
+            Component::Transmission => 1.0,
+        };
+        let mut model = recipe.model.clone();
+        for parameter in model.parameters.iter_mut().filter(|p| p.role == Role::Width) {
+            let least = LEAST_WIDTH * share * self.spacing;
+            parameter.low = parameter.low.max(least).min(0.5 * parameter.high);
+        }
+        let found = fit(&measurement, &model, &options).ok()?;
         let (channel, values) = found.parameters().into_iter().next()?;
         let mut parts = Vec::with_capacity(recipe.moves.len());
         for (k, &moves) in recipe.moves.iter().enumerate() {

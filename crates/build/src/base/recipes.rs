@@ -23,12 +23,18 @@ const ISOTROPIC: &[&[&str]] = &[
     &["ward-gmd", "ward-gmd"],
     &["ggx", "ggx"],
 ];
-/// The same for samples with an axis.
+/// The same for samples with axes.
 const ANISOTROPIC: &[&[&str]] = &[
+    &[],
     &["ward-gmd"],
     &["ward-gmd-anisotropic"],
     &["ggx-anisotropic"],
     &["ggx-dielectric-anisotropic"],
+];
+/// Two lobes, each with its own axes.
+const TWO_AXES: &[&[&str]] = &[
+    &["ward-gmd-anisotropic", "ward-gmd-anisotropic"],
+    &["ggx-anisotropic", "ggx-anisotropic"],
 ];
 /// Lobes about the through direction.
 const THROUGH: &[&[&str]] = &[
@@ -39,7 +45,13 @@ const THROUGH: &[&[&str]] = &[
     &["ggx-dielectric"],
 ];
 /// The same for samples with an axis.
-const THROUGH_ANISOTROPIC: &[&[&str]] = &[&["bounded-transmission-lobe"], &["transmission-lobe-anisotropic"]];
+const THROUGH_ANISOTROPIC: &[&[&str]] = &[
+    &[],
+    &["bounded-transmission-lobe"],
+    &["transmission-lobe-anisotropic"],
+];
+/// Two of them.
+const THROUGH_TWO: &[&[&str]] = &[&["bounded-transmission-lobe", "bounded-transmission-lobe"]];
 
 /// A base before it is fitted.
 #[derive(Clone, Debug)]
@@ -65,16 +77,22 @@ impl Recipe {
     }
 }
 
-/// The sums tried for `component`.
+/// The sums tried for `component`; with `more` those of two lobes, for samples with axes that one lobe does not describe.
 ///
 /// # Errors
 /// [`BsdfError`] when a name is not in the registry.
-pub(crate) fn recipes(component: Component, isotropic: bool) -> Result<Vec<Recipe>, BsdfError> {
+pub(crate) fn recipes(component: Component, isotropic: bool, more: bool) -> Result<Vec<Recipe>, BsdfError> {
     let (diffuse, lobes): (&[&'static dyn Family], _) = match (component, isotropic) {
         (Component::Reflection, true) => (&[family("lambert")?, &COATED], ISOTROPIC),
-        (Component::Reflection, false) => (&[family("lambert")?, &COATED], ANISOTROPIC),
+        (Component::Reflection, false) => (
+            &[family("lambert")?, &COATED],
+            if more { TWO_AXES } else { ANISOTROPIC },
+        ),
         (Component::Transmission, true) => (&[family("lambert-transmission")?], THROUGH),
-        (Component::Transmission, false) => (&[family("lambert-transmission")?], THROUGH_ANISOTROPIC),
+        (Component::Transmission, false) => (
+            &[family("lambert-transmission")?],
+            if more { THROUGH_TWO } else { THROUGH_ANISOTROPIC },
+        ),
     };
     let mut all = Vec::new();
     for names in lobes {
@@ -101,8 +119,8 @@ mod tests {
     #[test]
     fn every_recipe_names_models_of_its_component() {
         for component in [Component::Reflection, Component::Transmission] {
-            for isotropic in [true, false] {
-                for recipe in recipes(component, isotropic).unwrap() {
+            for (isotropic, more) in [(true, false), (false, false), (false, true)] {
+                for recipe in recipes(component, isotropic, more).unwrap() {
                     assert!(
                         recipe
                             .model

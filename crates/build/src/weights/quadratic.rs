@@ -1,0 +1,121 @@
+//! Moving least squares with parabolas over the nearest points \[LancasterSalkauskas1981\].
+
+use crate::plane::Point;
+
+use super::Weights;
+
+/// Points that take part.
+const NEAREST: usize = 12;
+
+/// Coefficients of a parabola.
+const TERMS: usize = 6;
+
+/// Largest sum of absolute weights: beyond it noise and model errors are amplified too much.
+const LARGEST: f64 = 1.9;
+
+/// Weights at `p` that reproduce every parabola through `points`; `None` with fewer than twelve of them, or where they
+/// would amplify errors.
+pub(crate) fn quadratic(points: &[Point], p: Point) -> Option<Weights> {
+    let mut nearest = [(f64::INFINITY, 0usize); NEAREST];
+    if points.len() < NEAREST {
+        return None;
+    }
+    for (k, q) in points.iter().enumerate() {
+        let d2 = (q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2);
+        if d2 < nearest[NEAREST - 1].0 {
+            let at = nearest.partition_point(|n| n.0 <= d2);
+            nearest[at..].rotate_right(1);
+            nearest[at] = (d2, k);
+        }
+    }
+    let reach = 1.001 * nearest[NEAREST - 1].0.sqrt();
+    let mut rows = [[0.0; TERMS]; NEAREST];
+    let mut importance = [0.0; NEAREST];
+    let mut normal = [[0.0; TERMS]; TERMS];
+    for (m, (d2, k)) in nearest.iter().enumerate() {
+        let (x, y) = ((points[*k][0] - p[0]) / reach, (points[*k][1] - p[1]) / reach);
+        rows[m] = [1.0, x, y, x * x, y * y, x * y];
+        let d = d2.sqrt() / reach;
+        let tricube = (1.0 - d * d * d).powi(3);
+        // Infinite at a point: there the weights are that point's alone.
+        importance[m] = tricube / (d * d + 1e-7);
+        for a in 0..TERMS {
+            for b in 0..=a {
+                normal[a][b] += importance[m] * rows[m][a] * rows[m][b];
+            }
+        }
+    }
+    let solution = first_column_of_inverse(normal)?;
+    let mut weights = Weights::NONE;
+    let (mut sum, mut size) = (0.0, 0.0);
+    for (m, (_, k)) in nearest.iter().enumerate() {
+        let w = importance[m] * rows[m].iter().zip(&solution).map(|(a, b)| a * b).sum::<f64>();
+        weights.add(*k, w);
+        sum += w;
+        size += w.abs();
+    }
+    (size <= LARGEST && (sum - 1.0).abs() < 1e-6).then_some(weights)
+}
+
+/// `A x = e_1` for a positive matrix given by its lower triangle, by Cholesky's method; `None` when it is (nearly) singular.
+fn first_column_of_inverse(mut a: [[f64; TERMS]; TERMS]) -> Option<[f64; TERMS]> {
+    for i in 0..TERMS {
+        let diagonal = a[i][i];
+        for j in 0..=i {
+            let done: f64 = (0..j).map(|k| a[i][k] * a[j][k]).sum();
+            let left = a[i][j] - done;
+            if i == j {
+                if left <= 1e-11 * diagonal {
+                    return None;
+                }
+                a[i][i] = left.sqrt();
+            } else {
+                a[i][j] = left / a[j][j];
+            }
+        }
+    }
+    let mut x = [0.0; TERMS];
+    for i in 0..TERMS {
+        let done: f64 = (0..i).map(|k| a[i][k] * x[k]).sum();
+        x[i] = (if i == 0 { 1.0 } else { 0.0 } - done) / a[i][i];
+    }
+    for i in (0..TERMS).rev() {
+        let done: f64 = (i + 1..TERMS).map(|k| a[k][i] * x[k]).sum();
+        x[i] = (x[i] - done) / a[i][i];
+    }
+    Some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{grid, queries};
+    use super::*;
+
+    #[test]
+    fn parabolas_are_reproduced_where_the_weights_are_tame() {
+        let points = grid();
+        let f = |p: Point| 1.0 - p[0] + 0.5 * p[1] + 2.0 * p[0] * p[0] - p[0] * p[1] + 0.3 * p[1] * p[1];
+        let mut answered = 0;
+        for p in queries() {
+            let Some(w) = quadratic(&points, p) else { continue };
+            answered += 1;
+            let value: f64 = w.as_slice().iter().map(|(k, w)| w * f(points[*k])).sum();
+            assert!((value - f(p)).abs() < 1e-6, "{p:?}: {value} {}", f(p));
+            assert!(w.as_slice().iter().map(|w| w.1.abs()).sum::<f64>() <= LARGEST);
+        }
+        assert!(answered > 40, "{answered}");
+    }
+
+    #[test]
+    fn a_point_answers_alone_where_it_lies_and_outside_there_is_no_answer() {
+        let points = grid();
+        let w = quadratic(&points, points[30]).unwrap();
+        let own = w.as_slice().iter().find(|w| w.0 == 30).unwrap().1;
+        assert!((own - 1.0).abs() < 1e-4, "{own}");
+        assert!(
+            quadratic(&points, [1.6, 0.0]).is_none(),
+            "extrapolation amplifies errors"
+        );
+        assert!(quadratic(&points[..8], [0.0, 0.1]).is_none());
+    }
+}
