@@ -11,6 +11,7 @@ mod layout;
 mod mesh;
 mod node;
 mod plane;
+mod profile;
 mod readings;
 mod reciprocity;
 mod smoothing;

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use crate::base::Base;
 use crate::mesh::Mesh;
 use crate::plane::{Point, from_plane, into_disk, solid_angle_density};
+use crate::profile::Profile;
 use crate::readings::Readings;
 use crate::smoothing::smooth;
 
@@ -65,6 +66,8 @@ pub(crate) struct SliceSurface {
     noise: Vec<f64>,
     /// The base and the local incidence.
     base: Option<(Arc<Base>, DVec3)>,
+    /// What the ratio to the base is divided by before it is interpolated.
+    profile: Option<Profile>,
     readings: usize,
     /// Longest edge of a triangle that still counts as measured, radians.
     longest_edge: f64,
@@ -96,6 +99,7 @@ impl SliceSurface {
             noise: vec![0.0; count],
             mesh,
             base: None,
+            profile: None,
             readings: count,
             longest_edge: f64::INFINITY,
         };
@@ -109,8 +113,16 @@ impl SliceSurface {
     /// there is one.
     pub(crate) fn fill(&mut self, readings: &Readings, smoothed: bool, base: Option<(Arc<Base>, DVec3)>) {
         let count = self.readings;
+        self.profile = None;
         let divided = base.as_ref().map(|(base, i)| {
-            let level = base.eval_all(*i, readings.points.iter().map(|&p| from_plane(p)));
+            let mut level = base.eval_all(*i, readings.points.iter().map(|&p| from_plane(p)));
+            let omega = self.solid_angles();
+            self.profile = Profile::new(*i, &readings.points, &readings.value, &level, &omega);
+            if let Some(profile) = &self.profile {
+                for (m, &p) in level.iter_mut().zip(&readings.points) {
+                    *m *= profile.at(p, || *m);
+                }
+            }
             let over = |v: &[f64]| v.iter().zip(&level).map(|(v, m)| v / m).collect::<Vec<f64>>();
             (over(&readings.value), over(&readings.sigma))
         });
@@ -138,9 +150,16 @@ impl SliceSurface {
         let Some(at) = self.mesh.locate(inside(p)) else {
             return (0.0, false);
         };
-        let value = (0..3)
+        let value: f64 = (0..3)
             .map(|k| at.weights[k] * self.values[at.vertices[k] as usize])
             .sum();
+        let value = match (&self.profile, &self.base) {
+            (Some(profile), Some((base, i))) => {
+                let p = inside(p);
+                value * profile.at(p, || base.eval(*i, from_plane(p)))
+            }
+            _ => value,
+        };
         let measured = match at.vertices {
             [a, b, _] if a == b => (a as usize) < self.readings,
             _ => self.is_measured(at.triangle as usize),

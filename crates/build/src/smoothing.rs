@@ -171,19 +171,16 @@ fn cholesky_solve(mut a: [[f64; 6]; 6], mut b: [f64; 6], n: usize) -> Option<([f
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64;
+
     use super::*;
 
-    /// A deterministic standard normal sequence (sum of twelve uniforms of an LCG).
     fn normals(n: usize) -> Vec<f64> {
-        let mut state = 12345u64;
-        let mut uniform = || {
-            state = state
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..n)
-            .map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
+        StandardNormal
+            .sample_iter(Pcg64::seed_from_u64(12345))
+            .take(n)
             .collect()
     }
 
