@@ -51,8 +51,11 @@ def truth(name: str) -> Any:
 
 
 def quadrature(theta_i: float) -> tuple[Array, Array]:
-    """Directions up to 88 degrees and solid angles times cosines: rings about the mirror direction whose radii grow
-    by a constant factor, so that lobes of any width are resolved."""
+    """Directions up to 88 degrees and solid angles times cosines.
+
+    They stand on rings about the mirror direction whose radii grow by a constant factor, so that lobes of
+    any width are resolved.
+    """
     edges = np.geomspace(np.radians(FIRST), np.pi, RINGS + 1)
     edges[0] = 0.0
     cosines = np.cos(edges)
