@@ -65,19 +65,19 @@ impl Default for Campaign {
 /// to be exact within 1e-4 but for noise: pitch .15 of the narrower of beam and aperture.
 ///
 /// # Errors
-/// [`InstrumentError::Domain`] for a setting out of range and a model with an ideal part ([`Bsdf::delta`]), which the
-/// detector would not see.
+/// [`InstrumentError::Domain`] for a setting out of range and a model whose ideal part ([`Bsdf::delta`]) is refracted:
+/// only mirrored and unbent beams keep their focus on the detector sphere.
 pub fn simulate(
     model: &dyn Bsdf,
     instrument: &Instrument,
     campaign: &Campaign,
 ) -> Result<Vec<Scan>, InstrumentError> {
     check(instrument, campaign)?;
-    if model.has_delta() {
+    if campaign.incidences.iter().any(|i| refracts(model, i.direction())) {
         return Err(InstrumentError::Domain {
             field: "model",
-            found: "an ideal part (mirror, unbent or refracted transmission)".into(),
-            allowed: "lobes of finite width".into(),
+            found: "an ideal part that bends the beam (refraction)".into(),
+            allowed: "scattering of finite width, mirrored and unbent beams".into(),
         });
     }
     let mut session = Session {
@@ -137,6 +137,21 @@ fn check(instrument: &Instrument, campaign: &Campaign) -> Result<(), InstrumentE
     }
     in_range("beam_scans", campaign.beam_scans as f64, 1.0, 100.0, "")?;
     in_range("dark_readings", campaign.dark_readings as f64, 1.0, 1e6, "")
+}
+
+/// Whether light from `wi` is passed on unscattered in a direction that is neither the mirror nor the through direction.
+fn refracts(model: &dyn Bsdf, wi: Direction) -> bool {
+    let mut shares = vec![0.0; model.channels().len()];
+    [
+        (Component::Reflection, wi.mirror()),
+        (Component::Transmission, wi.through()),
+    ]
+    .into_iter()
+    .any(|(component, straight)| {
+        model
+            .delta(wi, component, &mut shares)
+            .is_some_and(|to| to.angle_to(straight) > 1e-6)
+    })
 }
 
 /// What the instrument knows of itself and writes into every record.
@@ -244,7 +259,7 @@ impl Session<'_> {
             .map(recorded)
             .collect();
         let at = self.true_directions(&angles, &mut rng);
-        let image = BeamSignal::new(beam, &self.detector, wi);
+        let image = BeamSignal::new(beam, &self.detector, wi.through());
         let signal: Vec<f64> = at.par_iter().map(|&ws| image.at(ws)).collect();
         let signals = vec![signal; self.channels.len()];
         self.file(ScanKind::Beam, incidence, &angles, &signals, &mut rng);

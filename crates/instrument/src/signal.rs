@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use gonio_bsdf::Bsdf;
-use gonio_geom::{DVec3, Direction};
+use gonio_geom::{Component, DVec3, Direction};
 
 use crate::{Beam, Detector};
 
@@ -46,6 +46,32 @@ pub(crate) struct SampleSignal<'a> {
     distance: f64,
     aperture_radius: f64,
     power: f64,
+    unscattered: Vec<Unscattered>,
+}
+
+/// What an ideal part leaves of the beam: its image, mirrored or straight through, since the focus is on the detector
+/// sphere.
+struct Unscattered {
+    image: BeamSignal,
+    /// Share of the beam, one a channel.
+    shares: Vec<f64>,
+}
+
+impl Unscattered {
+    fn of(model: &dyn Bsdf, beam: &Beam, detector: &Detector, wi: Direction) -> Vec<Self> {
+        let one = |component| {
+            let mut shares = vec![0.0; model.channels().len()];
+            let to = model.delta(wi, component, &mut shares)?;
+            Some(Unscattered {
+                image: BeamSignal::new(beam, detector, to),
+                shares,
+            })
+        };
+        [Component::Reflection, Component::Transmission]
+            .into_iter()
+            .filter_map(one)
+            .collect()
+    }
 }
 
 impl<'a> SampleSignal<'a> {
@@ -86,12 +112,14 @@ impl<'a> SampleSignal<'a> {
             distance: detector.distance,
             aperture_radius: detector.distance * detector.aperture.tan(),
             power: beam.power,
+            unscattered: Unscattered::of(model, beam, detector, wi),
         }
     }
 
     /// The signal of each channel at receiver direction `ws` [source chapter, eqs 6.2 and 6.4, averaged]:
     /// `P mean(f(wi', ws') |cos theta_s'| r^2 cos psi / d^2)` over rays, `d` from lit point to aperture point and
-    /// `psi` the angle at the aperture. `scratch` and `out` have one entry a channel.
+    /// `psi` the angle at the aperture; on top of it the image of the beam that an ideal part leaves, in the share of the
+    /// beam's axis. `scratch` and `out` have one entry a channel.
     pub(crate) fn at(&self, ws: Direction, scratch: &mut [f64], out: &mut [f64]) {
         let (a, b) = ws.vec().any_orthonormal_pair();
         let centre = self.distance * ws.vec();
@@ -110,23 +138,33 @@ impl<'a> SampleSignal<'a> {
         }
         let scale = self.power / self.rays.len() as f64;
         out.iter_mut().for_each(|o| *o *= scale);
+        for part in &self.unscattered {
+            let image = part.image.at(ws);
+            out.iter_mut()
+                .zip(&part.shares)
+                .for_each(|(o, share)| *o += share * image);
+        }
     }
 }
 
-/// The bare beam on the detector sphere, averaged over the aperture.
+/// The beam on the detector sphere, averaged over the aperture.
 pub(crate) struct BeamSignal {
     beam: Beam,
     centre: DVec3,
     aperture: f64,
+    /// Chord from the centre beyond which there is no signal.
+    reach: f64,
     nodes: Vec<(f64, f64)>,
 }
 
 impl BeamSignal {
-    pub(crate) fn new(beam: &Beam, detector: &Detector, wi: Direction) -> Self {
+    /// The beam that arrives in direction `to`, seen from the sample.
+    pub(crate) fn new(beam: &Beam, detector: &Detector, to: Direction) -> Self {
         BeamSignal {
             beam: *beam,
-            centre: wi.through().vec(),
+            centre: to.vec(),
             aperture: detector.aperture.tan(),
+            reach: beam.profile.reach() + detector.aperture.tan(),
             nodes: (0..APERTURE_NODES)
                 .map(|k| {
                     let u = node::<2>(k);
@@ -138,6 +176,9 @@ impl BeamSignal {
 
     /// The signal at receiver direction `ws`; its integral over the sphere is the beam power.
     pub(crate) fn at(&self, ws: Direction) -> f64 {
+        if (ws.vec() - self.centre).length() > self.reach {
+            return 0.0;
+        }
         let (a, b) = ws.vec().any_orthonormal_pair();
         let sum: f64 = self
             .nodes
@@ -237,7 +278,7 @@ mod tests {
                 profile,
                 ..Beam::default()
             };
-            let signal = BeamSignal::new(&beam, &detector, Direction::NORMAL);
+            let signal = BeamSignal::new(&beam, &detector, Direction::NORMAL.through());
             let (n, half) = (200, 0.012);
             let pitch = 2.0 * half / f64::from(n);
             let mut sum = 0.0;

@@ -216,15 +216,83 @@ fn impossible_campaigns_are_refused_by_name() {
 }
 
 #[test]
-fn a_model_with_an_ideal_part_is_refused() {
+fn an_ideal_mirror_returns_its_share_of_the_beam() {
     use gonio_bsdf::RadianceMaterial;
-    use gonio_bsdf::radiance::Plastic;
-    let smooth = RadianceMaterial::from(Plastic::new([0.5; 3], 0.05, 0.0).unwrap());
+    use gonio_bsdf::radiance::Mirror;
+    let model = RadianceMaterial::from(Mirror {
+        color: [0.3, 0.6, 0.9],
+        alternate: None,
+    });
+    let mut instrument = Instrument::default();
+    instrument.detector.noise_readout = 0.0;
+    instrument.detector.noise_relative = 0.0;
+    instrument.detector.pointing = 0.0;
+    instrument.detector.dark_level = 0.0;
+    instrument.detector.dark_swing = 0.0;
+    // Rings of the patch fine enough for a sum over the image of the beam.
+    let pitch = 0.02_f64.to_radians();
+    instrument.path.patch = Some(gonio_instrument::Patch {
+        radius: 0.7_f64.to_radians(),
+        pitch,
+        growth: 0.0,
+        along: 1.0,
+    });
+    instrument.path.jitter = 0.0;
+    let incidence = Angles::from_degrees(40.0, 20.0);
+    let campaign = Campaign {
+        incidences: vec![incidence],
+        ..Campaign::default()
+    };
+    let records = simulate(model.bsdf().unwrap().as_ref(), &instrument, &campaign).unwrap();
+    let mirror = incidence.direction().mirror();
+    for (record, share) in records
+        .iter()
+        .filter(|r| r.kind == ScanKind::Sample)
+        .zip([0.3, 0.6, 0.9])
+    {
+        // Readings of the patch have rings of their own about the mirror direction.
+        let patch = instrument.path.patch.unwrap();
+        let rings = (patch.radius / pitch).round() as usize;
+        let in_patch: usize = (0..rings)
+            .map(|k| {
+                let gamma = (k as f64 + 0.5) * pitch;
+                (std::f64::consts::TAU * gamma.sin() / pitch).round().max(4.0) as usize
+            })
+            .sum();
+        let first = record.len() - in_patch;
+        let sum: f64 = (first..record.len())
+            .map(|j| {
+                let at = Angles {
+                    theta: record.theta_s[j],
+                    phi: record.phi_s[j],
+                };
+                let gamma = at.direction().angle_to(mirror);
+                let n = (std::f64::consts::TAU * gamma.sin() / pitch).round().max(4.0);
+                record.value[j] * std::f64::consts::TAU * gamma.sin() * pitch / n
+            })
+            .sum();
+        let expected = share * instrument.beam.power;
+        assert!((sum / expected - 1.0).abs() < 5e-3, "{sum} {expected}");
+    }
+}
+
+#[test]
+fn a_model_that_bends_the_beam_is_refused() {
+    use gonio_bsdf::RadianceMaterial;
+    use gonio_bsdf::radiance::Dielectric;
+    let body = RadianceMaterial::from(Dielectric {
+        transmissivity: [1.0; 3],
+        refractive_index: 1.52,
+        hartmann: 0.0,
+    });
     let e = simulate(
-        smooth.bsdf().unwrap().as_ref(),
+        body.bsdf().unwrap().as_ref(),
         &Instrument::default(),
         &Campaign::default(),
     )
     .unwrap_err();
-    assert!(e.to_string().starts_with("model: found an ideal part"), "{e}");
+    assert!(
+        e.to_string().starts_with("model: found an ideal part that bends"),
+        "{e}"
+    );
 }
