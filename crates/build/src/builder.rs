@@ -53,6 +53,8 @@ const RETRO_GAIN: f64 = 0.95;
 /// A part and what is to be said of it.
 pub(crate) struct Built {
     pub(crate) part: Part,
+    /// The base that describes the slices best, if any.
+    pub(crate) base: Option<Arc<Base>>,
     pub(crate) errors: PartErrors,
     pub(crate) summary: PartSummary,
     pub(crate) loo: Vec<LooError>,
@@ -171,8 +173,8 @@ pub(crate) fn part(
         Fitting::new(component, directions.clone(), readings.collect(), spacing)
     };
     let bases = bases(&fitting, component, isotropic, &options.without)?;
-    let base = bases.first().map(|(_, base)| Arc::clone(base));
-    let base = base.as_ref();
+    let first = bases.first().map(|(_, base)| Arc::clone(base));
+    let base = first.as_ref();
 
     piles.par_iter_mut().zip(&directions).for_each(|(pile, &i)| {
         for (surface, readings) in pile.surfaces.iter_mut().zip(&pile.readings) {
@@ -329,6 +331,7 @@ pub(crate) fn part(
     ));
     Ok(Some(Built {
         part,
+        base: first,
         errors,
         summary,
         loo,
@@ -451,7 +454,7 @@ fn surface(
 }
 
 /// Incidence in the local frame; at azimuth pi when isotropic.
-fn local_incidence(incidence: Angles, isotropic: bool) -> DVec3 {
+pub(crate) fn local_incidence(incidence: Angles, isotropic: bool) -> DVec3 {
     let theta = polar(incidence);
     let (s, c) = theta.sin_cos();
     if isotropic {

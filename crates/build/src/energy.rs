@@ -125,15 +125,16 @@ pub(crate) struct Cap {
 }
 
 impl Cap {
-    /// The cap of one side. The limit is 1, or the albedo that was measured at the nearest incidences when that is
-    /// above 1.
-    pub(crate) fn new(parts: &[&Part], isotropic: bool) -> Self {
+    /// The cap of one side, whose unscattered share over incidence is `direct`. The limit is 1, or the albedo that was
+    /// measured at the nearest incidences when that is above 1.
+    pub(crate) fn new(parts: &[&Part], direct: impl Fn(DVec3) -> f64 + Sync, isotropic: bool) -> Self {
+        let albedo = |i: DVec3| albedo(parts, i) + direct(i);
         let (step, phi_step) = if isotropic { (THETA_STEP, 360) } else { COARSE_STEP };
         let (theta_count, phi_count) = (90 / step + 1, 360 / phi_step);
         let measured: Vec<(DVec3, f64)> = parts
             .iter()
             .flat_map(|p| p.nodes())
-            .map(|n| (n.direction, albedo(parts, n.direction)))
+            .map(|n| (n.direction, albedo(n.direction)))
             .collect();
         // Cells that are images of others are not computed again, nor is the normal.
         let images = match parts.first().map(|p| p.symmetry()) {
@@ -160,7 +161,7 @@ impl Cap {
                 } else {
                     DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
                 };
-                let value = albedo(parts, i);
+                let value = albedo(i);
                 (value, (limit(&measured, i) / value.max(1e-12)).min(1.0))
             })
             .collect();

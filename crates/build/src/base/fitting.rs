@@ -201,6 +201,7 @@ impl Fitting {
         }
         Some(Base {
             name: recipe.model.name.clone(),
+            probabilities: super::drawing::probabilities(&parts),
             parts,
             component: self.component,
             scale: self.scale,

@@ -2,6 +2,7 @@
 //! so that what is left to interpolate is smooth and close to 1.
 
 mod diffuse;
+mod drawing;
 mod fitting;
 mod recipes;
 mod retro;
@@ -39,6 +40,8 @@ pub(crate) struct Base {
     /// Its parts joined by `+`.
     pub(crate) name: String,
     parts: Vec<Fitted>,
+    /// Probability with which a direction is drawn from each part.
+    probabilities: Vec<f64>,
     component: Component,
     /// What the parts are multiplied with.
     scale: f64,

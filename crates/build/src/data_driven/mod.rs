@@ -1,15 +1,24 @@
-//! The first data-driven model: measured slices, interpolated.
+//! The data-driven model: measured slices, interpolated.
 
-use gonio_bsdf::{Bsdf, Channel, FourComponents, Properties};
+mod scattering;
+
+use std::sync::{Arc, OnceLock};
+
+use gonio_bsdf::{Channel, FourComponents};
+use gonio_fit::profile::Profile;
 use gonio_geom::{Angles, Component, DVec3, Direction, Side};
 use gonio_scan::{Measurement, Slice};
 
 use crate::across::Candidate;
+use crate::base::Base;
 use crate::builder::{self, Built};
+use crate::direct::{self, Direct, DirectPeak, Separated};
 use crate::energy::Cap;
 use crate::error::BuildError;
 use crate::incidence::Part;
+use crate::intake::{check_columns, choose_channel, without_copies};
 use crate::leave_one_out::LooError;
+use crate::sampling::Proposal;
 use crate::slice_surface::Coverage;
 use crate::stated::{PartErrors, StatedError};
 use crate::symmetry::{self, SymmetryChoice};
@@ -30,6 +39,8 @@ pub struct BuildOptions {
     pub candidate: Option<Candidate>,
     /// Analytic models (names of the registry) that no parametric base may contain.
     pub without: Vec<String>,
+    /// Whether peaks as narrow as the beam become the ideal part of the model, where the measurement knows its beam.
+    pub direct: bool,
 }
 
 impl Default for BuildOptions {
@@ -40,6 +51,7 @@ impl Default for BuildOptions {
             smooth: true,
             candidate: None,
             without: Vec::new(),
+            direct: true,
         }
     }
 }
@@ -91,7 +103,11 @@ pub struct DataDriven {
     isotropic: bool,
     energy_conserving: bool,
     parts: FourComponents<Part>,
+    bases: FourComponents<Arc<Base>>,
+    proposals: [OnceLock<Arc<Proposal>>; 2],
     errors: FourComponents<PartErrors>,
+    direct: FourComponents<Direct>,
+    peaks: Vec<DirectPeak>,
     caps: [Option<Cap>; 2],
     loo: Vec<LooError>,
     summary: Vec<PartSummary>,
@@ -114,6 +130,17 @@ impl DataDriven {
         for slice in &slices {
             check_columns(slice)?;
         }
+        let profile = options
+            .direct
+            .then(|| Profile::of_measurement(measurement, channel))
+            .flatten();
+        let separated = profile.map(|profile| direct::separate(&slices, &profile));
+        let (slices, peaks, unscattered) = match &separated {
+            Some(Separated { slices, peaks, notes }) => {
+                (slices.iter().collect(), peaks.clone(), notes.clone())
+            }
+            None => (slices, FourComponents::default(), Vec::new()),
+        };
         let (slices, copied, notes) = without_copies(slices);
         let azimuth = symmetry::decide(&slices, options.symmetry);
         let mut model = DataDriven {
@@ -121,17 +148,22 @@ impl DataDriven {
             isotropic: azimuth.isotropic,
             energy_conserving: true,
             parts: FourComponents::default(),
+            bases: FourComponents::default(),
+            proposals: [OnceLock::new(), OnceLock::new()],
             errors: FourComponents::default(),
+            direct: peaks.map(|_, _, p| Direct::new(p, azimuth.isotropic)),
+            peaks: peaks.iter().flat_map(|(_, _, p)| p.clone()).collect(),
             caps: [None, None],
             loo: Vec::new(),
             summary: Vec::new(),
-            warnings: azimuth.note.into_iter().chain(notes).collect(),
+            warnings: unscattered.into_iter().chain(azimuth.note).chain(notes).collect(),
         };
         let mut most = 0;
         for (side, component) in FourComponents::<Part>::KEYS {
             let built = builder::part(&slices, &copied, side, component, azimuth.isotropic, options)?;
             let Some(Built {
                 part,
+                base,
                 errors,
                 summary,
                 loo,
@@ -148,6 +180,7 @@ impl DataDriven {
             model.loo.extend(loo);
             model.summary.push(summary);
             model.parts.set(side, component, Some(part));
+            model.bases.set(side, component, base);
             model.errors.set(side, component, Some(errors));
         }
         if most < LEAST_INCIDENCES {
@@ -170,7 +203,7 @@ impl DataDriven {
             if parts.is_empty() {
                 continue;
             }
-            let cap = Cap::new(&parts, self.isotropic);
+            let cap = Cap::new(&parts, |i| direct::both(&self.direct, side, i), self.isotropic);
             let (factor, at) = cap.worst;
             if cap.acts() {
                 self.warnings.push(format!(
@@ -213,6 +246,12 @@ impl DataDriven {
         &self.warnings
     }
 
+    /// The light that passes or is mirrored unscattered: one entry an incidence and component that has such a peak; empty
+    /// where none was found.
+    pub fn direct(&self) -> &[DirectPeak] {
+        &self.peaks
+    }
+
     /// How the value at `(wi, ws)` is known.
     pub fn coverage(&self, wi: Direction, ws: Direction) -> Coverage {
         let component = Component::between(wi.side(), ws.side());
@@ -222,7 +261,7 @@ impl DataDriven {
         }
     }
 
-    /// Fraction of the light from `wi` that leaves on both sides, by quadrature (about 0.2 %).
+    /// Fraction of the light from `wi` that leaves on both sides, scattered and unscattered, by quadrature (about 0.2 %).
     pub fn albedo(&self, wi: Direction) -> f64 {
         let i = up(wi);
         let parts: Vec<&Part> = [Component::Reflection, Component::Transmission]
@@ -230,7 +269,7 @@ impl DataDriven {
             .filter_map(|c| self.parts.get(wi.side(), c))
             .collect();
         let scale = parts.first().map_or(1.0, |p| self.cap_factor(p, wi.side(), i));
-        scale * crate::energy::albedo(&parts, i)
+        scale * (crate::energy::albedo(&parts, i) + direct::both(&self.direct, wi.side(), i))
     }
 
     #[inline]
@@ -239,40 +278,6 @@ impl DataDriven {
             None => 1.0,
             Some(cap) => cap.factor(i, part.distance(i)),
         }
-    }
-}
-
-impl Bsdf for DataDriven {
-    fn channels(&self) -> &[Channel] {
-        &self.channel
-    }
-
-    fn properties(&self) -> Properties {
-        Properties {
-            reciprocal: false,
-            energy_conserving: self.energy_conserving,
-            isotropic: self.isotropic,
-        }
-    }
-
-    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
-        if let Some(first) = f.first_mut() {
-            *first = self.eval_first(wi, ws);
-        }
-    }
-
-    #[inline]
-    fn eval_first(&self, wi: Direction, ws: Direction) -> f64 {
-        let (side, to) = (wi.side(), ws.side());
-        if ws.cos_theta() == 0.0 {
-            return 0.0;
-        }
-        let Some(part) = self.parts.get(side, Component::between(side, to)) else {
-            return 0.0;
-        };
-        let i = up(wi);
-        let f = part.eval(i, up(ws)) * self.cap_factor(part, side, i);
-        if f.is_finite() { f } else { 0.0 }
     }
 }
 
@@ -285,79 +290,4 @@ fn up(d: Direction) -> DVec3 {
 
 fn side_index(side: Side) -> usize {
     usize::from(side == Side::Back)
-}
-
-/// Two slices that hold the same readings.
-type Copied<'a> = (&'a Slice, &'a Slice);
-
-/// `slices` without those that repeat another one of the same incidence; the pairs that are left and hold the same readings
-/// though their incidences differ; and what to say about both.
-fn without_copies(slices: Vec<&Slice>) -> (Vec<&Slice>, Vec<Copied<'_>>, Vec<String>) {
-    let mut dropped = vec![false; slices.len()];
-    let (mut copied, mut notes) = (Vec::new(), Vec::new());
-    for pair in gonio_scan::copies(&slices).into_iter().filter(|p| !p.noise_free) {
-        let (a, b) = (slices[pair.first], slices[pair.second]);
-        if dropped[pair.first] || dropped[pair.second] {
-            continue;
-        }
-        let (theta, phi) = b.incidence.to_degrees();
-        if a.incidence.direction().angle_to(b.incidence.direction()) < symmetry::SAME_DIRECTION {
-            dropped[pair.second] = true;
-            notes.push(format!(
-                "the slice at theta_i {theta:.1}, phi_i {phi:.1} deg is there twice with the same readings: one is used"
-            ));
-        } else {
-            copied.push((a, b));
-            let (theta_a, phi_a) = a.incidence.to_degrees();
-            notes.push(format!(
-                "the slice at theta_i {theta:.1}, phi_i {phi:.1} deg holds the readings of that at theta_i {theta_a:.1}, phi_i \
-                 {phi_a:.1} deg: both are used, and left out together where errors are estimated"
-            ));
-        }
-    }
-    let kept = slices
-        .into_iter()
-        .zip(dropped)
-        .filter(|s| !s.1)
-        .map(|s| s.0)
-        .collect();
-    (kept, copied, notes)
-}
-
-fn choose_channel(measurement: &Measurement, wanted: Option<Channel>) -> Result<Channel, BuildError> {
-    let mut there: Vec<Channel> = Vec::new();
-    for slice in &measurement.slices {
-        if !there.contains(&slice.channel) {
-            there.push(slice.channel);
-        }
-    }
-    let found = match (wanted, there.as_slice()) {
-        (Some(channel), all) if all.contains(&channel) => return Ok(channel),
-        (None, [only]) => return Ok(*only),
-        (Some(channel), _) => channel.to_string(),
-        (None, _) => "none".to_owned(),
-    };
-    let names: Vec<String> = there.iter().map(Channel::to_string).collect();
-    Err(BuildError::Channel {
-        found,
-        allowed: if names.is_empty() {
-            "none (the measurement is empty)".into()
-        } else {
-            names.join(", ")
-        },
-    })
-}
-
-fn check_columns(slice: &Slice) -> Result<(), BuildError> {
-    let needed = slice.len();
-    let columns = [
-        ("theta_s", slice.theta_s.len()),
-        ("phi_s", slice.phi_s.len()),
-        ("u_dsf", slice.u_dsf.len()),
-        ("flags", slice.flags.len()),
-    ];
-    match columns.into_iter().find(|c| c.1 != needed) {
-        Some((field, found)) => Err(BuildError::Columns { field, found, needed }),
-        None => Ok(()),
-    }
 }
