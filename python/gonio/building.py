@@ -40,6 +40,7 @@ def build(
     symmetry: str = "auto",
     smooth: bool = True,
     candidate: str | None = None,
+    direct: bool = True,
     progress: Progress = silent,
 ) -> DataDriven:
     """Build the data-driven model of one channel: measured slices, interpolated.
@@ -59,6 +60,10 @@ def build(
     candidate
         Interpolation over incidence, one of `CANDIDATES`; by default the one with the least
         leave-one-incidence-out error.
+    direct
+        Whether a peak in the mirror or through direction that is as narrow as the beam becomes the ideal
+        part of the model (`delta`), apart from the BSDF; needs a measurement that knows its beam. Otherwise
+        it stays in the BSDF as the instrument saw it.
     progress
         Called with stage, parts done and parts in all.
 
@@ -67,7 +72,8 @@ def build(
     DataDriven
         A `Bsdf` that also tells its leave-one-incidence-out errors (`loo`, the largest is `loo_error`), the
         error it states at any incidence (`stated_error`, a list of them `stated_errors`), how it was built
-        (`summary`), what to know (`warnings`), and how each value is known (`coverage`, see `COVERAGE`).
+        (`summary`), the light that leaves unscattered (`direct`), what to know (`warnings`), and how each
+        value is known (`coverage`, see `COVERAGE`).
 
     Raises
     ------
@@ -83,7 +89,9 @@ def build(
     data = loaded(measurement)._data
     progress("building", 0, 1)
     model = interruptible(
-        lambda: _native.build(data, channel=channel, symmetry=symmetry, smooth=smooth, candidate=candidate)
+        lambda: _native.build(
+            data, channel=channel, symmetry=symmetry, smooth=smooth, candidate=candidate, direct=direct
+        )
     )
     progress("building", 1, 1)
     return model

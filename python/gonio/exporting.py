@@ -79,7 +79,9 @@ def export(
     """Write a measurement or a model in the format of another program, whole or not at all.
 
     The Radiance formats, rgl-bsdf, merl and zemax-bsdf hold a model: of a measurement the data-driven one
-    that `gonio.build` makes, which takes at least two incidences. The others hold the readings.
+    that `gonio.build` makes, which takes at least two incidences. The others hold the readings. Light that
+    leaves unscattered goes to its own patches in radiance-klems; elsewhere it stays in the BSDF of a
+    measurement as the instrument saw it.
 
     Parameters
     ----------
@@ -152,6 +154,8 @@ def export(
                 symmetry=symmetry,
                 smooth=smooth,
                 candidate=candidate,
+                # Other formats have no word for light without spread: its peak stays as wide as read.
+                direct=to == "radiance-klems",
                 progress=progress,
             )
         )
@@ -190,6 +194,11 @@ def export(
             as_visible=as_visible,
         )
         notes = list(model.warnings) if isinstance(model, _native.DataDriven) else []
+        if model.has_delta:
+            notes.append(
+                "the patches in the mirror and through directions hold light that leaves unscattered: name "
+                "the file in an aBSDF material and Radiance shows what is behind it sharp"
+            )
         if not as_visible and (label := reduced.channels[0]) != "photopic":
             notes.append(
                 f"the data are labelled {label}, and Radiance renders what is labelled Visible only: "

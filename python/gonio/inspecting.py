@@ -15,12 +15,9 @@ from gonio._native import GonioError, Scan, Slice
 from gonio.files import sha256
 from gonio.measurement import Measurement
 from gonio.measurement_header import JSON_NAME
-from gonio.model_files import ModelSummary
+from gonio.model_files import MATERIAL_SUFFIXES, ModelSummary
 from gonio.radiance_materials import read_materials
 from gonio.readings import PathLike, read_file
-
-MATERIAL_SUFFIXES = (".rad", ".mat")
-"""Names of Radiance scenes end in these; their text has no mark of its own at the beginning."""
 
 
 @dataclass(frozen=True)

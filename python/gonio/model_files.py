@@ -1,4 +1,4 @@
-"""Files of models: Radiance BSDF XML, RGL materials, MERL binaries and compact models, read or summed up."""
+"""Files of models, read or summed up: Radiance BSDF XML and materials, RGL, MERL, compact models."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ XML_FORMAT = "radiance-xml"
 RGL_FORMAT = "rgl-bsdf"
 MERL_FORMAT = "merl"
 ZEMAX_FORMAT = "zemax-bsdf"
+MATERIAL_SUFFIXES = (".rad", ".mat")
+"""Names of Radiance scenes end in these; their text has no mark of its own at the beginning."""
 
 _THETA = np.arange(0.0, 86.0, 5.0)
 _PHI = np.arange(0.0, 360.0, 15.0)
@@ -92,14 +94,15 @@ def _require_model(path: Path) -> None:
 
 
 def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
-    """Read a model from a file: Radiance or WINDOW BSDF XML, RGL, MERL, or gonio's compact model.
+    """Read a model from a file: Radiance BSDF XML or material, RGL, MERL, or gonio's compact model.
 
     Parameters
     ----------
     path
         The file; its content tells the format. An RGL material (tensor file, .bsdf) becomes an `Rgl` model
         with the channels red, green and blue, or one a wavelength; a MERL binary has red, green and blue. A
-        compact model (netCDF 3, .nc) has those it was made with.
+        compact model (netCDF 3, .nc) has those it was made with. Text named .rad or .mat holds one Radiance
+        material, which is red, green and blue.
     channel
         Of an XML, which holds one model a channel, the channel to read: photopic is the file's Visible, solar
         its Solar, 550nm a wavelength; None is photopic. The others keep all their channels; one that they do
@@ -122,6 +125,8 @@ def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
         return _merl_with(file, channel)[0]
     if found == COMPACT_FORMAT:
         return _compact_with(file, channel)
+    if file.suffix.lower() in MATERIAL_SUFFIXES and found is None:
+        return _material_with(file, channel)
     _require_model(file)
     return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or "photopic"))
 
@@ -129,6 +134,19 @@ def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
 def _check_channel(model: Bsdf, channel: str | None) -> None:
     if channel is not None and channel not in model.channels:
         raise QuantityError(f"channel: found {channel}, needed one of {', '.join(model.channels)}")
+
+
+def _material_with(path: Path, channel: str | None) -> Bsdf:
+    materials = interruptible(lambda: _native.read_radiance_materials(path))
+    if len(materials) != 1:
+        names = ", ".join(m.id for m in materials) or "none"
+        raise FormatError(
+            f"{path}: found {len(materials)} materials ({names}), needed one: gonio.materials.radiance makes "
+            "models of the others"
+        )
+    model = materials[0].bsdf()
+    _check_channel(model, channel)
+    return model
 
 
 def _rgl_with(path: Path, channel: str | None) -> Rgl:

@@ -91,6 +91,28 @@ impl DataDriven {
             .collect()
     }
 
+    /// The light that leaves unscattered, one dict an incidence and component with such a peak: side, component, theta_i and
+    /// phi_i (degrees), share (of the incident light), u_share, width (over that of the beam), offset (degrees), solid_angle
+    /// (of the beam, sr).
+    #[getter]
+    fn direct<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let row = |p: &core::DirectPeak| {
+            let (theta_i, phi_i) = p.incidence.to_degrees();
+            let dict = PyDict::new(py);
+            dict.set_item("side", p.incidence.direction().side().to_string())?;
+            dict.set_item("component", p.component.to_string())?;
+            dict.set_item("theta_i", theta_i)?;
+            dict.set_item("phi_i", phi_i)?;
+            dict.set_item("share", p.share)?;
+            dict.set_item("u_share", p.u_share)?;
+            dict.set_item("width", p.width)?;
+            dict.set_item("offset", p.offset.to_degrees())?;
+            dict.set_item("solid_angle", p.solid_angle)?;
+            Ok(dict)
+        };
+        self.0.direct().iter().map(row).collect()
+    }
+
     /// Assumptions, components not measured, caps.
     #[getter]
     fn warnings(&self) -> Vec<String> {
@@ -173,7 +195,7 @@ impl DataDriven {
 
 /// The data-driven model of one channel of a measurement.
 #[pyfunction]
-#[pyo3(signature = (measurement, *, channel=None, symmetry="auto", smooth=true, candidate=None))]
+#[pyo3(signature = (measurement, *, channel=None, symmetry="auto", smooth=true, candidate=None, direct=true))]
 fn build(
     py: Python<'_>,
     measurement: &MeasurementData,
@@ -181,6 +203,7 @@ fn build(
     symmetry: &str,
     smooth: bool,
     candidate: Option<&str>,
+    direct: bool,
 ) -> PyResult<Py<DataDriven>> {
     let options = core::BuildOptions {
         channel: channel.map(str::parse::<Channel>).transpose().or_raise()?,
@@ -198,6 +221,7 @@ fn build(
         },
         smooth,
         candidate: candidate.map(candidate_of).transpose()?,
+        direct,
         ..core::BuildOptions::default()
     };
     let data = Arc::clone(&measurement.0);

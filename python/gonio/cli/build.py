@@ -33,6 +33,15 @@ Candidate = Annotated[
     ),
 ]
 
+Direct = Annotated[
+    bool | None,
+    typer.Option(
+        "--direct/--no-direct",
+        help="Take peaks as narrow as the beam out of the BSDF as light that leaves unscattered; "
+        "with -o, whose file has no place for it, only when asked.",
+    ),
+]
+
 
 def build(
     measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
@@ -40,6 +49,7 @@ def build(
     symmetry: Symmetry = "auto",
     smooth: Smooth = True,
     candidate: Candidate = None,
+    direct: Direct = None,
     target_file: Annotated[
         Path | None, typer.Option("-o", "--out", help="File of the compact model of it (.nc).")
     ] = None,
@@ -63,6 +73,7 @@ def build(
             symmetry=symmetry,
             smooth=smooth,
             candidate=candidate,
+            direct=target_file is None if direct is None else direct,
             progress=progress,
         )
         reduction = None
@@ -85,6 +96,7 @@ def build(
                 "properties": model.properties,
                 "loo_error": model.loo_error,
                 "loo": model.loo,
+                "direct": model.direct,
                 "stated": stated_errors(model),
                 "summary": model.summary,
                 "warnings": model.warnings,
@@ -99,6 +111,12 @@ def build(
             f"{part['side']} {part['component']}: {part['incidences']} incidences, "
             f"{part['readings']} readings, interpolated by {part['candidate']}{base}"
         )
+        for row in model.direct:
+            if (row["side"], row["component"]) == (part["side"], part["component"]):
+                out.print(
+                    f"  unscattered at {place(row)}: {100 * row['share']:.2f} % of the light "
+                    f"(u {100 * row['u_share']:.2f} %)"
+                )
         for row in stated:
             if (row["side"], row["component"]) == (part["side"], part["component"]):
                 out.print(f"  stated error at {place(row)}: {of_error(row)}")

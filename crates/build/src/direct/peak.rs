@@ -15,7 +15,7 @@ const CORE: f64 = 1.3;
 const OUTSIDE: f64 = 3.0;
 
 /// Fewest readings in both.
-const LEAST_CORE: usize = 6;
+const LEAST_CORE: usize = 3;
 const LEAST_OUTSIDE: usize = 12;
 
 /// The peak is looked for up to this far from the mirror or through direction: widths of the beam, and radians (1 degree).
@@ -24,6 +24,9 @@ const FAR_ASTRAY: f64 = std::f64::consts::PI / 180.0;
 
 /// Widths over that of the beam that count as the beam's own: a lobe adds its own width squared.
 const NARROW: [f64; 2] = [0.75, 1.15];
+
+/// Standard uncertainty of the logarithm of the width from which on it is not known.
+const UNCLEAR: f64 = 0.1;
 
 /// The background's 1/e half width is at least this many times that of the beam.
 const BROAD: f64 = 2.5;
@@ -36,11 +39,17 @@ const SHAPE_ERROR: f64 = 0.03;
 
 /// A reading is corrected for the peak where this holds no more than so many times the background, else the background
 /// takes its place: what lies under a peak is not read, and a hole would let a base put another peak there.
-const SHARE_CORRECTED: f64 = 0.5;
+const SHARE_CORRECTED: f64 = 0.1;
 
-/// Relative uncertainty of the background under the peak, and of the peak beside its middle.
+/// A reading is left as it is where the peak is less than this share of the background.
+const TOUCHED: f64 = 1e-3;
+
+/// Beyond so many widths from its middle the beam may be as high as one that is wider by the factor.
+const SKIRT: f64 = 1.5;
+const WIDER: f64 = 1.25;
+
+/// Relative uncertainty of the background under the peak.
 const BACKGROUND_ERROR: f64 = 0.05;
-const SKIRT_ERROR: f64 = 0.1;
 
 /// Solid angle of the readings over that of the disk they fill, off 1 by less: their sum is an integral.
 const FILLED: f64 = 0.1;
@@ -72,6 +81,7 @@ pub(super) enum Found {
 }
 
 /// Readings about the mirror or through direction, in its tangent plane.
+#[derive(Clone)]
 struct Surroundings {
     index: Vec<usize>,
     x: Vec<f64>,
@@ -117,6 +127,19 @@ impl Problem<'_> {
             -background * u * v,
         ];
         (a * s, background, derivatives)
+    }
+
+    /// By how much the peak may be higher than its shape says at reading `j`, beside its middle: the signature knows two
+    /// radii of the beam, not its skirts.
+    fn skirt(&self, x: &[f64], j: usize) -> f64 {
+        let w = self.beam.width;
+        let (dx, dy) = (self.around.x[j] - w * x[1], self.around.y[j] - w * x[2]);
+        let gamma2 = dx * dx + dy * dy;
+        if gamma2 < (SKIRT * w).powi(2) {
+            return 0.0;
+        }
+        let wider = self.beam.density(gamma2, WIDER).0 - self.beam.density(gamma2, 1.0).0;
+        x[0].exp() * wider.max(0.0)
     }
 
     /// Sum of squares of the residuals.
@@ -205,20 +228,44 @@ pub(super) fn find(slice: &Slice, component: Component, beam: &BeamShape) -> Fou
         ..SolverOptions::default()
     };
     let without = minimise(&problem, &alone, &low, &high, &options);
-    let x = with.x;
-    let scale = x[3].exp();
+    let everything = [true; VARIABLES];
+    let u_scale = with
+        .normal
+        .inverse(&everything)
+        .map_or(f64::INFINITY, |m| m[(3, 3)].sqrt());
+    if u_scale.is_nan() || u_scale > UNCLEAR {
+        return Found::Unread;
+    }
+    let scale = with.x[3].exp();
     let narrow = (NARROW[0]..=NARROW[1]).contains(&scale);
-    if !narrow || problem.chi2(&x) > BETTER * problem.chi2(&without.x) {
+    if !narrow || problem.chi2(&with.x) > BETTER * problem.chi2(&without.x) {
         return Found::Nothing;
     }
-    let fitted = x[0].exp();
-    let relative = with
+    // The beam scan tells the width better than the few readings of a narrow peak do.
+    let mut start = with.x;
+    start[3] = 0.0;
+    let fixed: [bool; VARIABLES] = std::array::from_fn(|k| k == 3);
+    let options = SolverOptions {
+        fixed: &fixed,
+        ..SolverOptions::default()
+    };
+    let doubted = around.with_doubt(&problem, &start);
+    let problem = Problem {
+        around: &doubted,
+        beam,
+    };
+    let own = minimise(&problem, &start, &low, &high, &options);
+    let relative = own
         .normal
-        .inverse(&[true; VARIABLES])
+        .inverse(&fixed.map(|f| !f))
         .map_or(f64::INFINITY, |m| m[(0, 0)].sqrt());
-    let summed = around.summed(&problem, &x);
-    let share = summed.unwrap_or(fitted);
-    let u_share = (relative * fitted).hypot(0.5 * (share - fitted));
+    let x = own.x;
+    let fitted = x[0].exp();
+    let (share, shape) = match around.summed(&problem, &x) {
+        Some(share) => (share, 0.5 * (share - fitted)),
+        None => (fitted, SHAPE_ERROR * fitted),
+    };
+    let u_share = (relative * fitted).hypot(shape);
     if !(u_share < 0.25 * share && share <= 1.05) {
         return Found::Nothing;
     }
@@ -284,6 +331,16 @@ impl Surroundings {
         out
     }
 
+    /// The same with what is not known of the beam's skirts in the uncertainties.
+    fn with_doubt(&self, problem: &Problem<'_>, x: &[f64]) -> Self {
+        let mut out = self.clone();
+        for j in 0..self.index.len() {
+            let doubt = problem.skirt(x, j);
+            out.sigma[j] = out.sigma[j].hypot(doubt);
+        }
+        out
+    }
+
     /// The share by summing what the fit leaves over the readings, where they fill their disk.
     fn summed(&self, problem: &Problem<'_>, x: &[f64]) -> Option<f64> {
         let w = problem.beam.width;
@@ -305,11 +362,13 @@ impl Surroundings {
         (0..self.index.len())
             .filter_map(|j| {
                 let (peak, background, _) = problem.at(x, j);
-                if peak < 1e-3 * background {
+                let doubt = problem.skirt(x, j);
+                let most = peak.max(doubt);
+                if most < TOUCHED * background {
                     return None;
                 }
-                let (dsf, u) = if peak <= SHARE_CORRECTED * background {
-                    (self.dsf[j] - peak, self.sigma[j].hypot(SKIRT_ERROR * peak))
+                let (dsf, u) = if most <= SHARE_CORRECTED * background {
+                    (self.dsf[j] - peak, self.sigma[j].hypot(doubt))
                 } else {
                     (background, BACKGROUND_ERROR * background)
                 };

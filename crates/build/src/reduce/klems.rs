@@ -2,6 +2,7 @@
 
 mod azimuth;
 mod exit;
+mod ideal;
 mod incident;
 mod rule;
 
@@ -67,13 +68,13 @@ pub struct KlemsReduction {
 /// reciprocity [Klems1994].
 ///
 /// Gauss-Legendre rules over incidence; over exit, cells of the patches that are halved where the model is rough and
-/// about the mirror, unbent and retro directions. For isotropic models one incident patch stands for its ring.
+/// about the mirror, unbent and retro directions. For isotropic models one incident patch stands for its ring. An ideal
+/// part ([`Bsdf::delta`]) goes to the patches of its direction: RADIANCE's `aBSDF` takes it out of them again.
 ///
 /// # Errors
-/// [`BsdfError::Domain`] for a channel the model does not have, an ideal part ([`Bsdf::delta`]), no component that
-/// scatters, or a tolerance or number of points out of range.
+/// [`BsdfError::Domain`] for a channel the model does not have, no component that scatters, or a tolerance or number of points out of range.
 pub fn to_klems(model: &dyn Bsdf, options: &KlemsOptions) -> Result<KlemsReduction, BsdfError> {
-    let one = OneChannel::new(model, options.channel)?;
+    let one = OneChannel::with_ideal(model, options.channel)?;
     let positive = options.tolerance.is_finite() && options.tolerance > 0.0;
     if !positive || !(1..=64).contains(&options.incident_points) {
         return Err(BsdfError::Domain {
@@ -104,6 +105,7 @@ pub fn to_klems(model: &dyn Bsdf, options: &KlemsOptions) -> Result<KlemsReducti
                 values[o * n + i] = *mean as f32;
             }
         }
+        filling.add_ideal(&mut values);
         evaluations += done.iter().map(|r| r.evaluations).sum::<u64>();
         unsettled += done.iter().map(|r| r.unsettled).sum::<usize>();
         filled.set(side, component, Some(values));

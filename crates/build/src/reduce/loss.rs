@@ -23,7 +23,8 @@ pub struct Loss {
 }
 
 /// Compares the first channel of `reduced` with channel number `channel` of `model` at `wi`, on a grid of `n x n`
-/// directions of equal projected solid angle. Where the model is 0 everywhere, ratios are NaN.
+/// directions of equal projected solid angle. Where the model is 0 everywhere, ratios are NaN. An ideal part counts in
+/// the model's albedo; what a table makes of it is a difference like any other.
 ///
 /// # Errors
 /// [`BsdfError::Domain`] for a channel the model does not have or a grid of fewer than 2 directions a side.
@@ -35,7 +36,7 @@ pub fn loss(
     component: Component,
     n: usize,
 ) -> Result<Loss, BsdfError> {
-    let model = OneChannel::new(model, channel)?;
+    let model = OneChannel::with_ideal(model, channel)?;
     if n < 2 {
         return Err(BsdfError::Domain {
             field: "n",
@@ -64,10 +65,12 @@ pub fn loss(
         }
     }
     let cell = PI * step * step;
+    let mut shares = vec![0.0; model.model.channels().len()];
+    model.model.delta(wi, component, &mut shares);
     Ok(Loss {
         rel_l1: l1 / sum,
         rel_rms: (square / square_model).sqrt(),
-        albedo_model: cell * sum,
+        albedo_model: cell * sum + shares[channel],
         albedo_reduced: cell * sum_reduced,
         peak_ratio: peak_reduced / peak,
     })

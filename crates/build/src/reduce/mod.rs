@@ -26,20 +26,26 @@ struct OneChannel<'a> {
 }
 
 impl<'a> OneChannel<'a> {
+    /// Of a model without an ideal part.
     fn new(model: &'a dyn Bsdf, index: usize) -> Result<Self, BsdfError> {
+        let one = OneChannel::with_ideal(model, index)?;
+        if model.has_delta() {
+            return Err(BsdfError::Domain {
+                field: "model",
+                found: "an ideal part (mirror, unbent or refracted transmission)".into(),
+                allowed: "lobes of finite width: a table has no directions narrower than its cells".into(),
+            });
+        }
+        Ok(one)
+    }
+
+    fn with_ideal(model: &'a dyn Bsdf, index: usize) -> Result<Self, BsdfError> {
         let n = model.channels().len();
         if index >= n {
             return Err(BsdfError::Domain {
                 field: "channel",
                 found: format!("number {index}"),
                 allowed: format!("0 to {} ({n} channels)", n.saturating_sub(1)),
-            });
-        }
-        if model.has_delta() {
-            return Err(BsdfError::Domain {
-                field: "model",
-                found: "an ideal part (mirror, unbent or refracted transmission)".into(),
-                allowed: "lobes of finite width: a table has no directions narrower than its cells".into(),
             });
         }
         Ok(OneChannel { model, index })
@@ -76,7 +82,10 @@ impl<'a> OneChannel<'a> {
                 Component::Reflection => wi.mirror(),
                 Component::Transmission => wi.through(),
             };
-            self.eval(wi, straight) > 0.0
+            let mut shares = vec![0.0; self.model.channels().len()];
+            let ideal = self.model.delta(wi, component, &mut shares).is_some();
+            ideal
+                || self.eval(wi, straight) > 0.0
                 || (0..8u32).any(|m| {
                     let s = t * 8.0 + f64::from(m);
                     let ws = disk_direction((s * 0.819_172_513_4).fract(), (s * 0.671_043_606_7).fract(), to);

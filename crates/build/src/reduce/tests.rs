@@ -359,14 +359,45 @@ fn requests_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn an_ideal_part_is_refused_not_lost() {
+fn an_ideal_part_goes_to_its_patches_or_is_refused_not_lost() {
     use gonio_bsdf::RadianceMaterial;
-    use gonio_bsdf::radiance::Plastic;
+    use gonio_bsdf::albedo::directional_albedo;
+    use gonio_bsdf::radiance::{Glass, Plastic};
     let smooth = RadianceMaterial::from(Plastic::new([0.5; 3], 0.05, 0.0).unwrap());
     let model = smooth.bsdf().unwrap();
-    let klems = to_klems(model.as_ref(), &KlemsOptions::default()).unwrap_err();
-    let tree = to_tensor_tree(model.as_ref(), &TreeOptions::default()).unwrap_err();
-    for e in [klems, tree] {
-        assert!(e.to_string().starts_with("model: found an ideal part"), "{e}");
+    let e = to_tensor_tree(model.as_ref(), &TreeOptions::default()).unwrap_err();
+    assert!(e.to_string().starts_with("model: found an ideal part"), "{e}");
+    let pane = RadianceMaterial::from(Glass {
+        transmissivity: [0.9; 3],
+        refractive_index: None,
+    });
+    for (model, component) in [
+        (model, Component::Reflection),
+        (pane.bsdf().unwrap(), Component::Transmission),
+    ] {
+        let klems = to_klems(model.as_ref(), &KlemsOptions::default()).unwrap().model;
+        let matrix = klems.matrix(Side::Front, component).unwrap();
+        let basis = matrix.incident();
+        for incident in [0, 5, 40, 100] {
+            let n = 16;
+            let mean: f64 = (0..n * n)
+                .map(|k| {
+                    let at = |k: usize| (k as f64 + 0.5) / n as f64;
+                    let wi = basis.point(incident, Role::Incident, Side::Front, at(k / n), at(k % n));
+                    directional_albedo(model.as_ref(), wi, component, 0)
+                })
+                .sum::<f64>()
+                / (n * n) as f64;
+            let found = matrix.albedo(incident);
+            assert!(
+                (found / mean - 1.0).abs() < 5e-3,
+                "patch {incident}: {found} for {mean}"
+            );
+            // The whole of it lies on the diagonal.
+            if component == Component::Transmission {
+                let own = matrix.value(incident, incident) * basis.lambda()[incident];
+                assert!((own / found - 1.0).abs() < 1e-6);
+            }
+        }
     }
 }
