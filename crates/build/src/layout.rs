@@ -453,12 +453,12 @@ mod tests {
             let near = layout.near(i);
             assert!(near.inside && (total(near) - 1.0).abs() < 1e-12);
             let p = to_incidence_plane(i);
-            for axis in 0..2 {
+            for (axis, wanted) in p.iter().enumerate() {
                 let mean: f64 = near
                     .iter()
                     .map(|k| k.weight * to_incidence_plane(k.turn(quarter[k.node]))[axis])
                     .sum();
-                assert!((mean - p[axis]).abs() < 1e-9);
+                assert!((mean - wanted).abs() < 1e-9);
             }
         }
         let half = Layout::new(&quarter, Symmetry::Axes(Images::None));

@@ -151,7 +151,7 @@ impl DataDriven {
             bases: FourComponents::default(),
             proposals: [OnceLock::new(), OnceLock::new()],
             errors: FourComponents::default(),
-            direct: peaks.map(|_, _, p| Direct::new(p, azimuth.isotropic)),
+            direct: FourComponents::default(),
             peaks: peaks.iter().flat_map(|(_, _, p)| p.clone()).collect(),
             caps: [None, None],
             loo: Vec::new(),
@@ -179,6 +179,10 @@ impl DataDriven {
             model.warnings.extend(notes);
             model.loo.extend(loo);
             model.summary.push(summary);
+            let direct = peaks.get(side, component);
+            model
+                .direct
+                .set(side, component, direct.map(|p| Direct::new(p, part.symmetry())));
             model.parts.set(side, component, Some(part));
             model.bases.set(side, component, base);
             model.errors.set(side, component, Some(errors));

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use self::beam_shape::BeamShape;
 use self::peak::Found;
 use crate::builder::local_incidence;
+use crate::images::Symmetry;
 use crate::layout::Layout;
 use crate::symmetry::{SAME_THETA, polar};
 
@@ -138,8 +139,9 @@ pub(crate) struct Direct {
 }
 
 impl Direct {
-    /// Interpolates between `peaks`, at least one.
-    pub(crate) fn new(peaks: &[DirectPeak], isotropic: bool) -> Self {
+    /// Interpolates between `peaks`, at least one, and their images under `symmetry`.
+    pub(crate) fn new(peaks: &[DirectPeak], symmetry: Symmetry) -> Self {
+        let isotropic = symmetry == Symmetry::Isotropic;
         let mut order: Vec<&DirectPeak> = peaks.iter().collect();
         order.sort_by(|a, b| polar(a.incidence).total_cmp(&polar(b.incidence)));
         // One entry an incidence; isotropic ones of the same polar angle are averaged.
@@ -166,7 +168,7 @@ impl Direct {
         let directions: Vec<DVec3> = groups.iter().map(|g| g.0).collect();
         Direct {
             component: peaks[0].component,
-            layout: Layout::new(&directions, isotropic),
+            layout: Layout::new(&directions, symmetry),
             shares: groups.iter().map(|g| g.1 / g.2).collect(),
         }
     }
