@@ -299,6 +299,9 @@ class DataDriven(Bsdf):
     def coverage(
         self, *, theta_i: ArrayLike, phi_i: ArrayLike, theta_s: ArrayLike, phi_s: ArrayLike
     ) -> NDArray[np.uint8]: ...
+    def uncertainty(
+        self, *, theta_i: ArrayLike, phi_i: ArrayLike, theta_s: ArrayLike, phi_s: ArrayLike
+    ) -> dict[str, NDArray[np.float64]]: ...
     def stated_error(
         self, *, theta_i: float, phi_i: float, component: str = "reflection"
     ) -> dict[str, float | None] | None: ...

@@ -15,6 +15,7 @@ use crate::hold_out::SliceError;
 use crate::images::{Images, Symmetry};
 use crate::incidence::Part;
 use crate::leave_one_out::{Held, LooError};
+use crate::local_error::LocalError;
 use crate::node::{Node, Statistics};
 use crate::plane::from_plane;
 use crate::readings::Readings;
@@ -56,6 +57,7 @@ pub(crate) struct Built {
     /// The base that describes the slices best, if any.
     pub(crate) base: Option<Arc<Base>>,
     pub(crate) errors: PartErrors,
+    pub(crate) local: Vec<LocalError>,
     pub(crate) summary: PartSummary,
     pub(crate) loo: Vec<LooError>,
     pub(crate) notes: Vec<String>,
@@ -73,6 +75,11 @@ impl Pile<'_> {
     /// Whether it holds `slice`.
     fn holds(&self, slice: &Slice) -> bool {
         self.slices.iter().any(|s| std::ptr::eq(*s, slice))
+    }
+
+    /// The relative uncertainty that its readings share.
+    fn common(&self) -> f64 {
+        self.slices.iter().map(|s| s.u_common).fold(0.0, f64::max)
     }
 
     /// Some of its readings, by `importance` of BSDF and cosine.
@@ -244,6 +251,10 @@ pub(crate) fn part(
             }
         })
         .collect();
+    let local: Vec<LocalError> = piles
+        .par_iter()
+        .map(|p| LocalError::new(&p.surfaces, bilateral, p.common()))
+        .collect();
     drop(piles);
     if all.len() == 1 {
         notes.push(format!(
@@ -333,6 +344,7 @@ pub(crate) fn part(
         part,
         base: first,
         errors,
+        local,
         summary,
         loo,
         notes,

@@ -35,6 +35,15 @@ pub(crate) struct Rule {
     pub(crate) exchange: bool,
 }
 
+impl Rule {
+    /// The frame in which lobes move.
+    fn moving_frame(&self) -> Frame {
+        let frames = self.candidate.way().frames();
+        let moving = frames.iter().copied().find(|f| *f != Frame::Still);
+        moving.unwrap_or(Frame::Still)
+    }
+}
+
 /// The incidences of one side and component, interpolated.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
@@ -228,16 +237,26 @@ impl Part {
 
     /// Whether readings surround the counterparts of a query in all slices `near`.
     fn seen(&self, rule: &Rule, near: &Near, i: DVec3, s: DVec3) -> bool {
-        let frames = rule.candidate.way().frames();
-        let frame = frames
-            .iter()
-            .copied()
-            .find(|f| *f != Frame::Still)
-            .unwrap_or(Frame::Still);
+        let frame = rule.moving_frame();
         near.iter().filter(|k| k.weight > 1e-9).all(|k| {
             let node = &*self.nodes[k.node];
             let at = frame.counterpart(i, s, k.turn(node.direction));
             at.direction.z > 0.0 && node.measured(k.turn(at.direction))
+        })
+    }
+
+    /// The slices that a value is made of: number, weight, and the direction in which each is read, at the lowest the
+    /// horizon.
+    pub(crate) fn counterparts(&self, i: DVec3, s: DVec3) -> impl Iterator<Item = (usize, f64, DVec3)> + '_ {
+        let (i, s) = self.layout.frame(i, s);
+        let near = self.layout.near(i);
+        let rule = if near.beyond { &self.beyond } else { &self.within };
+        let frame = rule.moving_frame();
+        let list: Vec<Neighbour> = near.iter().copied().collect();
+        list.into_iter().map(move |k| {
+            let at = frame.counterpart(i, s, k.turn(self.nodes[k.node].direction));
+            let seen = if at.direction.z > 0.0 { at.direction } else { s };
+            (k.node, k.weight, k.turn(seen))
         })
     }
 

@@ -181,6 +181,27 @@ impl SliceSurface {
         self.ratio_at(p).1
     }
 
+    /// Noise at a point of the plane over the value there: that of the readings of the triangle, each by its weight.
+    pub(crate) fn relative_noise(&self, p: Point) -> f64 {
+        let Some(at) = self.mesh.locate(inside(p)) else {
+            return 0.0;
+        };
+        let (mut square, mut value, mut weight) = (0.0, 0.0, 0.0);
+        for (&k, w) in at.vertices.iter().zip(at.weights) {
+            // Points of the rim have no noise of their own.
+            if let Some(noise) = self.noise.get(k as usize) {
+                square += (w * noise).powi(2);
+                value += w * self.values[k as usize];
+                weight += w;
+            }
+        }
+        if weight > 0.0 && value != 0.0 {
+            square.sqrt() / value.abs()
+        } else {
+            0.0
+        }
+    }
+
     /// Solid angle of each reading: a third of the measured triangles around it.
     pub(crate) fn solid_angles(&self) -> Vec<f64> {
         let mut omega = vec![0.0; self.readings];

@@ -101,6 +101,13 @@ impl PartErrors {
         out
     }
 
+    /// Error of the slices around `i` between their readings alone; relative L1.
+    pub(crate) fn gap(&self, layout: &Layout, i: DVec3) -> f64 {
+        let (i, _) = layout.frame(i, DVec3::Z);
+        let near = layout.near(i);
+        near.iter().map(|k| k.weight * self.slices[k.node].gap).sum()
+    }
+
     /// The error at local incidence `i` of a model whose incidences lie as `layout` says.
     pub(crate) fn at(&self, layout: &Layout, i: DVec3) -> StatedError {
         let (i, _) = layout.frame(i, DVec3::Z);

@@ -137,6 +137,38 @@ impl DataDriven {
         PyArray1::from_vec(py, codes).reshape(pairs.shape)
     }
 
+    /// Standard uncertainty of each value by its source, 1/sr: a dict of arrays noise, calibration, slice, incidence (NaN where
+    /// it is not known), total (without what is not known); NaN where nothing was measured. Broadcasts like `eval`.
+    #[pyo3(signature = (*, theta_i, phi_i, theta_s, phi_s))]
+    fn uncertainty<'py>(
+        &self,
+        py: Python<'py>,
+        theta_i: &Bound<'py, PyAny>,
+        phi_i: &Bound<'py, PyAny>,
+        theta_s: &Bound<'py, PyAny>,
+        phi_s: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let pairs = Pairs::broadcast(py, [theta_i, phi_i, theta_s, phi_s])?;
+        let mut columns = [const { Vec::new() }; 5];
+        py.detach(|| {
+            for (&wi, &ws) in pairs.wi.iter().zip(&pairs.ws) {
+                let row = self.0.uncertainty(wi, ws).map_or([f64::NAN; 5], |u| {
+                    let incidence = u.incidence.unwrap_or(f64::NAN);
+                    [u.noise, u.calibration, u.slice, incidence, u.total()]
+                });
+                columns.iter_mut().zip(row).for_each(|(c, v)| c.push(v));
+            }
+        });
+        let dict = PyDict::new(py);
+        for (name, column) in ["noise", "calibration", "slice", "incidence", "total"]
+            .into_iter()
+            .zip(columns)
+        {
+            dict.set_item(name, PyArray1::from_vec(py, column).reshape(pairs.shape.clone())?)?;
+        }
+        Ok(dict)
+    }
+
     /// The error stated at one incidence (degrees) for light into "reflection" or "transmission", fractions of the DSF
     /// (relative L1): slice, incidence (None where it is not known), total; None where that was not measured.
     #[pyo3(signature = (*, theta_i, phi_i, component="reflection"))]

@@ -18,10 +18,12 @@ use crate::error::BuildError;
 use crate::incidence::Part;
 use crate::intake::{check_columns, choose_channel, without_copies};
 use crate::leave_one_out::LooError;
+use crate::local_error::LocalError;
 use crate::sampling::Proposal;
 use crate::slice_surface::Coverage;
 use crate::stated::{PartErrors, StatedError};
 use crate::symmetry::{self, SymmetryChoice};
+use crate::uncertainty::{self, Uncertainty};
 
 /// Fewest distinct incidences a model is built from.
 const LEAST_INCIDENCES: usize = 2;
@@ -106,6 +108,7 @@ pub struct DataDriven {
     bases: FourComponents<Arc<Base>>,
     proposals: [OnceLock<Arc<Proposal>>; 2],
     errors: FourComponents<PartErrors>,
+    local: FourComponents<Vec<LocalError>>,
     direct: FourComponents<Direct>,
     peaks: Vec<DirectPeak>,
     caps: [Option<Cap>; 2],
@@ -151,6 +154,7 @@ impl DataDriven {
             bases: FourComponents::default(),
             proposals: [OnceLock::new(), OnceLock::new()],
             errors: FourComponents::default(),
+            local: FourComponents::default(),
             direct: FourComponents::default(),
             peaks: peaks.iter().flat_map(|(_, _, p)| p.clone()).collect(),
             caps: [None, None],
@@ -165,6 +169,7 @@ impl DataDriven {
                 part,
                 base,
                 errors,
+                local,
                 summary,
                 loo,
                 notes,
@@ -186,6 +191,7 @@ impl DataDriven {
             model.parts.set(side, component, Some(part));
             model.bases.set(side, component, base);
             model.errors.set(side, component, Some(errors));
+            model.local.set(side, component, Some(local));
         }
         if most < LEAST_INCIDENCES {
             return Err(BuildError::TooFewIncidences {
@@ -238,6 +244,15 @@ impl DataDriven {
         let part = self.parts.get(wi.side(), component)?;
         let errors = self.errors.get(wi.side(), component)?;
         Some(errors.at(part.layout(), up(wi)))
+    }
+
+    /// Standard uncertainty of the value at `(wi, ws)` by its sources; `None` where the component was not measured.
+    pub fn uncertainty(&self, wi: Direction, ws: Direction) -> Option<Uncertainty> {
+        let key = (wi.side(), Component::between(wi.side(), ws.side()));
+        let part = self.parts.get(key.0, key.1)?;
+        let errors = self.errors.get(key.0, key.1)?;
+        let local = self.local.get(key.0, key.1)?;
+        Some(uncertainty::at(part, local, errors, up(wi), up(ws)))
     }
 
     /// How each side and component was built.
