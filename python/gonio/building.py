@@ -71,10 +71,10 @@ def build(
     -------
     DataDriven
         A `Bsdf` that also tells its leave-one-incidence-out errors (`loo`, the largest is `loo_error`), the
-        error it states at any incidence (`stated_error`, a list of them `stated_errors`) and the uncertainty of
-        any value by its sources (`uncertainty`), how it was built
-        (`summary`), the light that leaves unscattered (`direct`), what to know (`warnings`), and how each
-        value is known (`coverage`, see `COVERAGE`).
+        error it states at any incidence (`stated_error`, a list of them `stated_errors`), the uncertainty of
+        any value by its sources (`uncertainty`), how it was built (`summary`), the light that leaves
+        unscattered (`direct`), what to know (`warnings`), and how each value is known (`coverage`, see
+        `COVERAGE`).
 
     Raises
     ------

@@ -37,6 +37,17 @@ def test_a_model_of_constant_readings_is_constant_and_predicts_left_out_incidenc
     assert model.properties["isotropic"]
 
 
+def test_the_uncertainty_of_a_value_has_a_part_for_each_source(measured):
+    model = gonio.build(measured)
+    u = model.uncertainty(theta_i=[[30.0], [40.0]], phi_i=0.0, theta_s=[5.0, 60.0, 150.0], phi_s=90.0)
+    assert set(u) == {"noise", "calibration", "slice", "incidence", "total"}
+    assert all(part.shape == (2, 3) for part in u.values())
+    assert np.isnan(u["total"][:, 2]).all()
+    parts = np.stack([u[name][:, :2] for name in ("noise", "calibration", "slice", "incidence")])
+    np.testing.assert_allclose(u["total"][:, :2], np.sqrt((parts**2).sum(axis=0)))
+    assert (u["noise"][:, :2] > 0).all()
+
+
 def test_build_json_carries_the_errors(run, measured):
     found = json.loads(run("build", "--json", measured).out)
     assert found["loo_error"] < 1e-3
