@@ -26,7 +26,7 @@ def loop(tmp_path_factory):
 
 
 def dsf(model, theta_i):
-    """Values over the hemisphere, evenly in projected solid angle, at an incidence between the measured ones."""
+    """Values over the hemisphere, evenly in projected solid angle."""
     u, v = (np.arange(60) + 0.5) / 60, (np.arange(120) + 0.5) / 120
     theta, phi = np.meshgrid(np.degrees(np.arcsin(np.sqrt(0.995 * u))), 360 * v, indexing="ij")
     return model.eval(theta_i=theta_i, phi_i=0.0, theta_s=theta, phi_s=phi)

@@ -1,0 +1,41 @@
+"""RADIANCE shows what lies behind a pane sharp, in the share of light that passes unscattered."""
+
+import gonio
+import numpy as np
+
+CURTAIN = "void trans curtain\n0\n0\n7 .8 .8 .8 0 0 .6 .5\n"
+THROUGH = 0.24
+
+SCENE = """void aBSDF win
+5 c.xml 0 1 0 .
+0
+0
+win polygon w
+0
+0
+12 -1 -1 0 1 -1 0 1 1 0 -1 1 0
+void glow g
+0
+0
+4 1 1 1 0
+g sphere s
+0
+0
+4 0 0 -10 .3
+"""
+"""A pane before a glowing sphere of 1.1 degrees' radius; without a distance the glow is no light source, so that
+rtrace with no ambient bounce sees it only unscattered."""
+
+
+def test_an_absdf_of_an_exported_klems_file_passes_the_unscattered_share(radiance, tmp_path):
+    (tmp_path / "c.rad").write_text(CURTAIN)
+    gonio.export(
+        tmp_path / "c.rad", to="radiance-klems", channel="green", out=tmp_path / "c.xml", as_visible=True
+    )
+    (tmp_path / "scene.rad").write_text(SCENE)
+    (tmp_path / "scene.oct").write_bytes(radiance.run("oconv", "scene.rad", cwd=tmp_path))
+    rays = "".join(f"0 0 5 {x} 0 -1\n" for x in (0.0, 0.01, 0.018, 0.03))
+    command = ("rtrace", "-h", "-ab", "0", "-ov", "scene.oct")
+    text = radiance.run(*command, cwd=tmp_path, stdin=rays.encode()).decode()
+    green = np.array([float(line.split()[1]) for line in text.splitlines() if line.strip()])
+    np.testing.assert_allclose(green, [THROUGH, THROUGH, THROUGH, 0.0], rtol=0.01)
