@@ -22,6 +22,7 @@ from gonio._native import (
 from gonio.analytic import Model, ModelParameter, analytic, directional_albedo, models
 from gonio.building import build
 from gonio.checking import check
+from gonio.checking_models import check_model
 from gonio.colours import Colour, colour, colour_of_channels
 from gonio.compact_files import write_compact
 from gonio.comparing import ComparedIncidence, ModelComparison, compare
@@ -85,6 +86,7 @@ __all__ = [
     "analytic",
     "build",
     "check",
+    "check_model",
     "colour",
     "colour_of_channels",
     "compare",

@@ -23,8 +23,8 @@ g sphere s
 0
 4 0 0 -10 .3
 """
-"""A pane before a glowing sphere of 1.1 degrees' radius; without a distance the glow is no light source, so that
-rtrace with no ambient bounce sees it only unscattered."""
+"""A pane before a glowing sphere of 1.1 degrees' radius, which is no light source to rtrace: without ambient
+bounces it is seen unscattered only."""
 
 
 def test_an_absdf_of_an_exported_klems_file_passes_the_unscattered_share(radiance, tmp_path):

@@ -1,4 +1,4 @@
-"""`gonio check`: verdicts on a measurement."""
+"""`gonio check`: verdicts on a measurement or a model."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 import gonio
+from gonio import QuantityError
 from gonio.cli.running import Json, out, print_json
 
 STYLES = {"pass": "green", "info": "dim", "warn": "yellow", "fail": "bold red"}
@@ -15,7 +16,9 @@ EXIT_FAILED = 1
 
 
 def check(
-    measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
+    measurement: Annotated[
+        Path, typer.Argument(help="Directory written by gonio process, or the file of a model.")
+    ],
     repeat: Annotated[
         list[Path] | None, typer.Option(help="Another measurement of the same sample; repeat it.")
     ] = None,
@@ -27,8 +30,15 @@ def check(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Check a measurement; exit code 1 when a check fails."""
-    verdicts = gonio.check(measurement, repeats=repeat or [], isotropic=isotropic)
+    """Check a measurement or a model; exit code 1 when a check fails."""
+    if measurement.is_file():
+        if repeat or isotropic is not None:
+            raise QuantityError(
+                f"{measurement}: found a model, needed a measurement for --repeat and --isotropic"
+            )
+        verdicts = gonio.check_model(gonio.read_bsdf(measurement))
+    else:
+        verdicts = gonio.check(measurement, repeats=repeat or [], isotropic=isotropic)
     if json:
         print_json({"verdicts": [v.to_dict() for v in verdicts]})
     else:
