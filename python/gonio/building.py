@@ -25,6 +25,7 @@ CANDIDATES = tuple(
         "base + half-vector",
         "base + mirror-frame",
         "base + cosine-shift",
+        "tracked lobes",
         "mirror-frame",
         "naive",
     )

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gonio_geom::Component;
 use rayon::prelude::*;
 
-use crate::across::{Candidate, Order};
+use crate::across::{Candidate, Method, Order};
 use crate::base::{Base, Fitting, Recipe};
 use crate::images::Symmetry;
 use crate::incidence::Rule;
@@ -17,16 +17,22 @@ use crate::reciprocity::{self, RECIPROCAL};
 const WORST: f64 = 1.5;
 
 /// Candidates whose mean errors lie closer than this ratio are tied; the first in order is taken.
-const TIE: f64 = 1.01;
+pub(crate) const TIE: f64 = 1.01;
+/// The same for a narrow peak: its amplitude falls over decades, which ratios to a base follow better than incidences left out
+/// can tell.
+pub(crate) const PEAK_TIE: f64 = 1.1;
 
 /// Share of the error of a choice without a base that one with a base must stay below to take over past the data.
 const CLEARLY: f64 = 0.5;
 /// Exchange of source and receiver is used where it lowers the error by this factor.
 const GAIN: f64 = 0.95;
 
+/// Lobes are followed where no other candidate has a smaller mean error.
+const WELL: f64 = 0.03;
+
 /// How many of the linear candidates are tried with a higher order too.
 const HIGHER: usize = 2;
-const HIGHER_WITH_AXES: usize = 5;
+const HIGHER_WITH_AXES: usize = 8;
 
 /// A base to try: fitted to everything, and to what each fold keeps.
 #[derive(Debug)]
@@ -42,6 +48,8 @@ pub(crate) struct Contest<'a> {
     pub(crate) component: Component,
     pub(crate) bases: Vec<Fitted>,
     pub(crate) folds: Vec<Fold>,
+    /// What the relative error of each incidence counts.
+    units: &'a [f64],
 }
 
 /// A candidate, its base (a position in [`Contest::bases`]), and its errors.
@@ -52,16 +60,25 @@ pub(crate) struct Tried {
     /// Whether source and receiver are exchanged past the measured incidences.
     pub(crate) exchange: bool,
     pub(crate) errors: Vec<LooError>,
+    /// What each of them counts.
+    units: Vec<f64>,
 }
 
 impl Tried {
     /// Mean error against the smoothed slices.
     pub(crate) fn mean(&self) -> f64 {
-        self.errors.iter().map(|e| e.rel_l1_smooth).sum::<f64>() / self.errors.len() as f64
+        self.each().sum::<f64>() / self.units.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
     fn worst(&self) -> f64 {
-        self.errors.iter().map(|e| e.rel_l1_smooth).fold(0.0, f64::max)
+        self.each().fold(0.0, f64::max)
+    }
+
+    fn each(&self) -> impl Iterator<Item = f64> {
+        self.errors
+            .iter()
+            .zip(&self.units)
+            .map(|(e, u)| e.rel_l1_smooth * u)
     }
 }
 
@@ -73,6 +90,7 @@ impl<'a> Contest<'a> {
         component: Component,
         fitting: Option<&Fitting>,
         bases: Vec<(Recipe, Arc<Base>)>,
+        units: &'a [f64],
     ) -> Self {
         let folds = folds(all, symmetry);
         let bases = bases
@@ -83,8 +101,8 @@ impl<'a> Contest<'a> {
                     .par_iter()
                     .map(|fold| {
                         // With axes there are many incidences and few of them are left out: the minimum hardly moves.
-                        let known = (!symmetry.is_isotropic()).then_some(&*whole);
-                        let base = fitting?.fit(&recipe, known, |k| fold.kept.contains(&k))?;
+                        let known = (!symmetry.is_isotropic()).then(|| whole.values());
+                        let base = fitting?.fit(&recipe, known.as_deref(), |k| fold.kept.contains(&k))?;
                         Some(Arc::new(base))
                     })
                     .collect(),
@@ -96,6 +114,7 @@ impl<'a> Contest<'a> {
             component,
             bases,
             folds,
+            units,
         }
     }
 
@@ -110,6 +129,10 @@ impl<'a> Contest<'a> {
     ) -> Option<Tried> {
         let folds: Vec<usize> = (0..self.folds.len())
             .filter(|&f| self.folds[f].beyond == beyond)
+            .collect();
+        let units = folds
+            .iter()
+            .map(|&f| self.units[self.folds[f].left_out])
             .collect();
         let errors = folds.into_iter().map(|f| {
             let base = match base {
@@ -132,6 +155,7 @@ impl<'a> Contest<'a> {
             base,
             exchange,
             errors: errors.collect::<Option<Vec<_>>>()?,
+            units,
         })
     }
 
@@ -139,6 +163,14 @@ impl<'a> Contest<'a> {
     pub(crate) fn run(&self, list: &[Candidate], higher: Option<Order>, beyond: bool) -> Vec<Tried> {
         let mut tried: Vec<Tried> = Vec::new();
         for &candidate in list {
+            if candidate.method == Method::Tracked {
+                // Followed where nothing else predicts well; never past the data, nor without axes.
+                let least = tried.iter().filter(|t| !t.errors.is_empty()).map(Tried::mean);
+                let well = least.fold(f64::INFINITY, f64::min) < WELL && list.len() > 1;
+                if well || beyond || self.symmetry.is_isotropic() {
+                    continue;
+                }
+            }
             let bases: Vec<Option<usize>> = if candidate.method.needs_base() {
                 (0..self.bases.len()).map(Some).collect()
             } else {
@@ -152,7 +184,7 @@ impl<'a> Contest<'a> {
         }
         if let Some(order) = higher {
             let mut places: Vec<usize> = (0..tried.len())
-                .filter(|&k| !tried[k].errors.is_empty())
+                .filter(|&k| !tried[k].errors.is_empty() && tried[k].candidate.method != Method::Tracked)
                 .collect();
             places.sort_by(|&a, &b| tried[a].mean().total_cmp(&tried[b].mean()));
             let more: Vec<Tried> = places
@@ -196,7 +228,7 @@ impl<'a> Contest<'a> {
     /// incidences at the edge say little of what comes after them: a base has to halve the error there to take over.
     pub(crate) fn beyond(&self, list: &[Candidate], within: Option<&Tried>) -> Option<Tried> {
         let mut tried = self.run(list, None, true);
-        let mut first = best(&tried);
+        let mut first = best(&tried, TIE);
         let same = within.filter(|w| w.base.is_none()).and_then(|w| {
             let method = w.candidate.method;
             tried
@@ -224,8 +256,8 @@ impl<'a> Contest<'a> {
 }
 
 /// The position of the best: the least mean error of those whose worst fold is not much worse than need be, the first of a
-/// tie. The first of all when there are no errors.
-pub(crate) fn best(tried: &[Tried]) -> usize {
+/// tie (ratio of mean errors). The first of all when there are no errors.
+pub(crate) fn best(tried: &[Tried], tie: f64) -> usize {
     let scored: Vec<usize> = (0..tried.len())
         .filter(|&k| !tried[k].errors.is_empty())
         .collect();
@@ -241,8 +273,15 @@ pub(crate) fn best(tried: &[Tried]) -> usize {
         .iter()
         .map(|&k| tried[k].mean())
         .fold(f64::INFINITY, f64::min);
+    // Linear ones first, then in the order of the list.
+    let rank = |k: &usize| {
+        let Candidate { method, order } = tried[*k].candidate;
+        let place = Candidate::ALL.iter().position(|c| c.method == method);
+        (order != Order::Linear, place)
+    };
     allowed
         .into_iter()
-        .find(|&k| tried[k].mean() <= TIE * least)
+        .filter(|&k| tried[k].mean() <= tie * least)
+        .min_by_key(rank)
         .unwrap_or(0)
 }

@@ -39,6 +39,14 @@ pub(crate) struct SliceError {
 }
 
 impl SliceError {
+    /// In units of `unit` times the light it is relative to.
+    pub(crate) fn times(&self, unit: f64) -> Self {
+        SliceError {
+            noise: unit * self.noise,
+            gap: unit * self.gap,
+        }
+    }
+
     /// Both.
     pub(crate) fn total(&self) -> f64 {
         self.noise.hypot(self.gap)

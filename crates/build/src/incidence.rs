@@ -7,11 +7,12 @@ use std::sync::Arc;
 
 use gonio_geom::DVec3;
 
-use crate::across::{Across, Candidate, Frame, MOST_TERMS, Order, Query, View};
+use crate::across::{Across, Candidate, Frame, MOST_TERMS, Method, Order, Query, View};
 use crate::base::Base;
 use crate::cubic::Stencil;
 use crate::images::Symmetry;
 use crate::layout::{Layout, Near, Neighbour};
+use crate::lobes::{Moved, Tracks};
 use crate::node::Node;
 use crate::reciprocity;
 use crate::slice_surface::Coverage;
@@ -52,6 +53,9 @@ pub(crate) struct Part {
     layout: Layout,
     within: Rule,
     beyond: Rule,
+    tracks: Option<Arc<Tracks>>,
+    /// A narrow peak that is interpolated apart and added.
+    peak: Option<Box<Part>>,
 }
 
 impl Part {
@@ -59,13 +63,24 @@ impl Part {
     /// the last of them (outside their hull) by `beyond`.
     pub(crate) fn new(nodes: Vec<Arc<Node>>, symmetry: Symmetry, within: Rule, beyond: Rule) -> Self {
         let directions: Vec<DVec3> = nodes.iter().map(|n| n.direction).collect();
+        let layout = Layout::new(&directions, symmetry);
+        let tracks = (within.candidate.method == Method::Tracked)
+            .then(|| Tracks::new(&nodes, layout.placed()))
+            .flatten();
         Part {
-            layout: Layout::new(&directions, symmetry),
+            tracks: tracks.map(Arc::new),
+            peak: None,
+            layout,
             symmetry,
             nodes,
             within,
             beyond,
         }
+    }
+
+    /// Adds a narrow peak to this.
+    pub(crate) fn add_peak(&mut self, peak: Part) {
+        self.peak = Some(Box::new(peak));
     }
 
     pub(crate) fn symmetry(&self) -> Symmetry {
@@ -85,14 +100,23 @@ impl Part {
     #[inline]
     pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
         let (i, s) = self.layout.frame(i, s);
-        self.eval_about(&self.about(i), s)
+        let rest = self.eval_about(&self.about(i), s);
+        match &self.peak {
+            None => rest,
+            Some(peak) => rest + peak.eval(i, s),
+        }
     }
 
     /// [`Part::eval`] of one incidence and many directions, faster.
     pub(crate) fn eval_each(&self, i: DVec3, directions: impl Iterator<Item = DVec3>) -> Vec<f64> {
         let about = self.about(self.layout.frame(i, DVec3::Z).0);
+        let peak = self.peak.as_ref().map(|p| (p, p.about(i)));
         directions
-            .map(|s| self.eval_about(&about, self.layout.frame(i, s).1))
+            .map(|s| {
+                let s = self.layout.frame(i, s).1;
+                let narrow = peak.as_ref().map_or(0.0, |(p, about)| p.eval_about(about, s));
+                self.eval_about(&about, s) + narrow
+            })
             .collect()
     }
 
@@ -115,6 +139,12 @@ impl Part {
             quadratic: (rule.candidate.order == Order::Quadratic && several && near.inside)
                 .then(|| self.layout.near_quadratic(i))
                 .flatten(),
+            moved: match (&self.tracks, rule.candidate.method) {
+                (Some(tracks), Method::Tracked) => {
+                    Some(Moved::new(tracks, &near, i, |k| self.nodes[k].direction))
+                }
+                _ => None,
+            },
             near,
         }
     }
@@ -149,6 +179,9 @@ impl Part {
     #[inline]
     fn by(&self, rule: &Rule, about: &About, s: DVec3) -> f64 {
         let i = about.i;
+        if let (Some(moved), Some(tracks)) = (&about.moved, &self.tracks) {
+            return moved.eval(tracks, &about.near, &self.nodes, s).max(0.0);
+        }
         let query = Query {
             i,
             s,
@@ -275,7 +308,7 @@ impl Part {
 }
 
 /// An incidence as queries see it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct About {
     i: DVec3,
     near: Near,
@@ -283,6 +316,8 @@ struct About {
     stencil: Option<(f64, Stencil)>,
     /// Weights of the local quadratic, where one is wanted and tame.
     quadratic: Option<Near>,
+    /// Lobes that are followed.
+    moved: Option<Moved>,
 }
 
 /// Linear over incidence; the slices as they are where no counterpart is visible.

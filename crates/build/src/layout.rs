@@ -154,6 +154,14 @@ impl Layout {
         Some(a.near_by(weights.as_slice(), true))
     }
 
+    /// The measured incidences and their images; none in isotropic layout.
+    pub(crate) fn placed(&self) -> &[Placed] {
+        match self {
+            Layout::Isotropic(_) => &[],
+            Layout::Anisotropic(a) => &a.placed,
+        }
+    }
+
     /// Incidences that stand at the edge of what was measured: the last one, or those of the hull.
     pub(crate) fn rim(&self) -> Vec<usize> {
         match self {

@@ -1,10 +1,11 @@
 //! A measured incidence, made ready for evaluation.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use gonio_geom::{Angles, DVec3};
 
-use crate::base::{Base, Picked};
+use crate::base::{Base, Divisor, Picked};
+use crate::lobes::{Lobe, find};
 use crate::plane::{Point, from_plane, to_plane};
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
@@ -38,13 +39,14 @@ pub(crate) struct Node {
     pub(crate) direction: DVec3,
     /// Level of the diffuse part, 1/sr.
     pub(crate) level: f64,
-    base: Option<Arc<Base>>,
+    divisor: Option<Divisor>,
     ratio: Table,
     bsdf: Option<Table>,
     mask: Vec<bool>,
     density: Vec<Point>,
     relative: f64,
     mean: f64,
+    lobes: OnceLock<Vec<Lobe>>,
 }
 
 /// What is known of the readings of a node.
@@ -81,12 +83,12 @@ impl Statistics {
 
 impl Node {
     /// Resamples `surfaces` (one incidence up to azimuth; their mean counts) and, when `bilateral`, their mirror
-    /// images at the plane of incidence. `base` is the one they were filled with.
+    /// images at the plane of incidence. `divisor` is the one they were filled with.
     pub(crate) fn new(
         incidence: Angles,
         direction: DVec3,
         surfaces: &[SliceSurface],
-        base: Option<&Arc<Base>>,
+        divisor: Option<Divisor>,
         statistics: Statistics,
         bilateral: bool,
     ) -> Self {
@@ -116,9 +118,9 @@ impl Node {
         }
         let relative = TABLE_ERROR.max(TABLE_NOISE * statistics.relative_noise);
         let floor = TABLE_FLOOR * statistics.mean;
-        let accuracy = match base {
-            Some(base) => Accuracy::of_points(relative, |points| {
-                let level = base.eval_all(direction, points.iter().map(|&p| from_plane(p)));
+        let accuracy = match &divisor {
+            Some(divisor) => Accuracy::of_points(relative, |points| {
+                let level = divisor.eval_all(points.iter().map(|&p| from_plane(p)));
                 level.into_iter().map(|m| floor / m).collect()
             }),
             None => Accuracy::even(relative, floor),
@@ -134,13 +136,14 @@ impl Node {
             incidence,
             direction,
             level: 0.0,
-            base: base.cloned(),
+            divisor,
             ratio,
             bsdf: None,
             mask,
             density,
             relative,
             mean: statistics.mean,
+            lobes: OnceLock::new(),
         };
         node.level = level(&node);
         node
@@ -150,20 +153,21 @@ impl Node {
     pub(crate) fn with_bsdf(&self) -> Self {
         let accuracy = Accuracy::even(self.relative, TABLE_FLOOR * self.mean);
         let bsdf = self
-            .base
+            .divisor
             .as_ref()
             .map(|_| Table::new(|p| self.value(from_plane(p)), &self.density, &accuracy));
         Node {
             incidence: self.incidence,
             direction: self.direction,
             level: self.level,
-            base: self.base.clone(),
+            divisor: self.divisor.clone(),
             ratio: self.ratio.clone(),
             bsdf,
             mask: self.mask.clone(),
             density: Vec::new(),
             relative: self.relative,
             mean: self.mean,
+            lobes: self.lobes.clone(),
         }
     }
 
@@ -171,9 +175,9 @@ impl Node {
     #[inline]
     pub(crate) fn value(&self, s: DVec3) -> f64 {
         let p = to_plane(s);
-        match (&self.bsdf, &self.base) {
+        match (&self.bsdf, &self.divisor) {
             (Some(bsdf), _) => bsdf.value(p),
-            (None, Some(base)) => self.ratio.value(p) * base.eval(self.direction, s),
+            (None, Some(divisor)) => self.ratio.value(p) * divisor.eval(s),
             (None, None) => self.ratio.value(p),
         }
     }
@@ -183,14 +187,19 @@ impl Node {
     #[inline]
     pub(crate) fn ln_ratio(&self, base: &Arc<Base>, s: DVec3) -> f64 {
         let ratio = self.ratio.value(to_plane(s));
-        match &self.base {
-            Some(own) if Arc::ptr_eq(own, base) => ratio.max(LEAST_RATIO).ln(),
+        match &self.divisor {
+            Some(own) if own.is(base) => ratio.max(LEAST_RATIO).ln(),
             Some(own) => {
-                let bases = own.eval(self.direction, s) / base.eval(self.direction, s);
+                let bases = own.eval(s) / base.eval(self.direction, s);
                 (ratio * bases).max(LEAST_RATIO).ln()
             }
             None => (ratio / base.eval(self.direction, s)).max(LEAST_RATIO).ln(),
         }
+    }
+
+    /// The lobes over the diffuse level, highest first.
+    pub(crate) fn lobes(&self) -> &[Lobe] {
+        self.lobes.get_or_init(|| find(|s| self.value(s), self.level))
     }
 
     /// Whether readings surround the local direction `s`.

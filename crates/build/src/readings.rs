@@ -67,6 +67,13 @@ impl Readings {
         all.merged()
     }
 
+    /// Adds one.
+    pub(crate) fn push(&mut self, point: Point, value: f64, sigma: f64) {
+        self.points.push(point);
+        self.value.push(value);
+        self.sigma.push(sigma);
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.value.len()
     }

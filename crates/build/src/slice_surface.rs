@@ -5,13 +5,10 @@
 //! DSF falls to zero with the cosine). A hole, such as the detector's shadow around the retro direction, is bridged from its
 //! rim. Both are marked as extrapolated.
 
-use std::f64::consts::TAU;
-use std::sync::Arc;
-
-use gonio_geom::DVec3;
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
-use crate::base::Base;
+use crate::base::Divisor;
 use crate::mesh::Mesh;
 use crate::plane::{Point, from_plane, into_disk, solid_angle_density};
 use crate::profile::Profile;
@@ -60,13 +57,12 @@ impl Coverage {
 pub(crate) struct SliceSurface {
     mesh: Mesh,
     /// What is linear in every triangle, at the vertices: readings first, then the rim. The BSDF, or its ratio to
-    /// `base`.
+    /// `divisor`.
     values: Vec<f64>,
     /// Noise left in the values of the readings, standard deviation.
     noise: Vec<f64>,
-    /// The base and the local incidence.
-    base: Option<(Arc<Base>, DVec3)>,
-    /// What the ratio to the base is divided by before it is interpolated.
+    divisor: Option<Divisor>,
+    /// What the ratio to a joint base is divided by before it is interpolated.
     profile: Option<Profile>,
     readings: usize,
     /// Longest edge of a triangle that still counts as measured, radians.
@@ -98,7 +94,7 @@ impl SliceSurface {
             values: vec![0.0; count + RIM],
             noise: vec![0.0; count],
             mesh,
-            base: None,
+            divisor: None,
             profile: None,
             readings: count,
             longest_edge: f64::INFINITY,
@@ -109,15 +105,16 @@ impl SliceSurface {
         Some(surface)
     }
 
-    /// Takes the values of `readings`, those it was made of; their ratio to `base` (with the local incidence) when
-    /// there is one.
-    pub(crate) fn fill(&mut self, readings: &Readings, smoothed: bool, base: Option<(Arc<Base>, DVec3)>) {
+    /// Takes the values of `readings`, those it was made of; their ratio to `divisor` when there is one.
+    pub(crate) fn fill(&mut self, readings: &Readings, smoothed: bool, divisor: Option<Divisor>) {
         let count = self.readings;
         self.profile = None;
-        let divided = base.as_ref().map(|(base, i)| {
-            let mut level = base.eval_all(*i, readings.points.iter().map(|&p| from_plane(p)));
-            let omega = self.solid_angles();
-            self.profile = Profile::new(*i, &readings.points, &readings.value, &level, &omega);
+        let divided = divisor.as_ref().map(|divisor| {
+            let mut level = divisor.eval_all(readings.points.iter().map(|&p| from_plane(p)));
+            if let Divisor::Joint(_, i) = divisor {
+                let omega = self.solid_angles();
+                self.profile = Profile::new(*i, &readings.points, &readings.value, &level, &omega);
+            }
             if let Some(profile) = &self.profile {
                 for (m, &p) in level.iter_mut().zip(&readings.points) {
                     *m *= profile.at(p, || *m);
@@ -141,7 +138,7 @@ impl SliceSurface {
             .collect();
         values.extend(rim);
         self.values = values;
-        self.base = base;
+        self.divisor = divisor;
     }
 
     /// What is linear in every triangle at a point of the plane, and whether readings surround it. Outside the disk
@@ -153,10 +150,10 @@ impl SliceSurface {
         let value: f64 = (0..3)
             .map(|k| at.weights[k] * self.values[at.vertices[k] as usize])
             .sum();
-        let value = match (&self.profile, &self.base) {
-            (Some(profile), Some((base, i))) => {
+        let value = match (&self.profile, &self.divisor) {
+            (Some(profile), Some(divisor)) => {
                 let p = inside(p);
-                value * profile.at(p, || base.eval(*i, from_plane(p)))
+                value * profile.at(p, || divisor.eval(from_plane(p)))
             }
             _ => value,
         };
@@ -170,8 +167,8 @@ impl SliceSurface {
     /// The BSDF at a point of the plane.
     pub(crate) fn value(&self, p: Point) -> f64 {
         let ratio = self.ratio_at(p).0;
-        match &self.base {
-            Some((base, i)) => ratio * base.eval(*i, from_plane(p)),
+        match &self.divisor {
+            Some(divisor) => ratio * divisor.eval(from_plane(p)),
             None => ratio,
         }
     }

@@ -45,7 +45,12 @@ impl StatedError {
 /// The errors of one side and component.
 #[derive(Clone, Debug)]
 pub(crate) struct PartErrors {
+    /// Relative to the light of each incidence; those of a peak in units of the incident light.
     slices: Vec<SliceError>,
+    /// Share of the incident light of each incidence.
+    light: Vec<f64>,
+    /// The errors of a peak that is added.
+    peak: Option<Box<PartErrors>>,
     power: f64,
     /// Incidence left out, and error of interpolation over the power of the spread.
     within: Vec<(DVec3, f64)>,
@@ -54,23 +59,28 @@ pub(crate) struct PartErrors {
 }
 
 impl PartErrors {
-    /// From the errors of the slices and of the folds, those of interior incidences by `candidate`.
+    /// From the errors of the slices and of the folds, `within` those of interior incidences by `candidate`; with the
+    /// units of relative errors, the share of light of every incidence, and whether the units are that share (`absolute`).
     pub(crate) fn new(
         all: &[Held],
         slices: Vec<SliceError>,
         symmetry: Symmetry,
         candidate: Candidate,
         folds: &[Fold],
-        within: &[LooError],
-        beyond: &[LooError],
+        (units, light, absolute): (&[f64], Vec<f64>, bool),
+        (within, beyond): (&[LooError], &[LooError]),
     ) -> Self {
-        let power = if candidate.order == Order::Linear {
+        // The amplitude of a peak changes by decades within a gap: no power of the gap goes with that.
+        let power = if candidate.order == Order::Linear || absolute {
             LINEAR
         } else {
             HIGHER
         };
+        let slices = slices.iter().zip(units).map(|(e, u)| e.times(*u)).collect();
         let mut out = PartErrors {
             slices,
+            light,
+            peak: None,
             power,
             within: Vec::new(),
             beyond: None,
@@ -86,7 +96,7 @@ impl PartErrors {
             let layout = Layout::new(&directions, symmetry);
             let i = all[fold.left_out].node.direction;
             let known = slice_part(&layout, &kept, i).hypot(out.slices[fold.left_out].total());
-            let own = error.rel_l1_smooth;
+            let own = error.rel_l1_smooth * units[fold.left_out];
             let own = (own * own - known * known)
                 .max((LEAST_SHARE * own).powi(2))
                 .sqrt();
@@ -94,7 +104,7 @@ impl PartErrors {
                 past.push(own / distance(&layout, i).max(NEAR));
             } else {
                 out.within
-                    .push((i, own / layout.spread(i).max(NEAR * NEAR).powf(power)));
+                    .push((i, own / gap(&layout, i, power).max(gap_of(NEAR * NEAR, power))));
             }
         }
         out.beyond = past.into_iter().reduce(f64::max);
@@ -108,8 +118,42 @@ impl PartErrors {
         near.iter().map(|k| k.weight * self.slices[k.node].gap).sum()
     }
 
+    /// Share of the incident light of each incidence.
+    pub(crate) fn light(&self) -> &[f64] {
+        &self.light
+    }
+
+    /// Adds those of a peak.
+    pub(crate) fn add_peak(&mut self, peak: PartErrors) {
+        self.peak = Some(Box::new(peak));
+    }
+
     /// The error at local incidence `i` of a model whose incidences lie as `layout` says.
     pub(crate) fn at(&self, layout: &Layout, i: DVec3) -> StatedError {
+        let rest = self.own(layout, i);
+        let Some(peak) = &self.peak else { return rest };
+        let (i, _) = layout.frame(i, DVec3::Z);
+        let light = |of: &PartErrors| -> f64 {
+            let near = layout.near(i);
+            near.iter()
+                .map(|k| k.weight * of.light[k.node])
+                .sum::<f64>()
+                .max(f64::MIN_POSITIVE)
+        };
+        let (main, narrow) = (light(self), peak.own(layout, i));
+        let all = main + light(peak);
+        let both = |a: f64, b: f64| (a * main).hypot(b) / all;
+        StatedError {
+            slice: both(rest.slice, narrow.slice),
+            incidence: match (rest.incidence, narrow.incidence) {
+                (Some(a), Some(b)) => Some(both(a, b)),
+                _ => None,
+            },
+        }
+    }
+
+    /// [`PartErrors::at`] without the peak.
+    fn own(&self, layout: &Layout, i: DVec3) -> StatedError {
         let (i, _) = layout.frame(i, DVec3::Z);
         let past = distance(layout, i);
         let incidence = if past > 0.0 {
@@ -122,13 +166,27 @@ impl PartErrors {
                 sum += weight * coefficient;
                 total += weight;
             }
-            (total > 0.0).then(|| sum / total * layout.spread(i).powf(self.power))
+            (total > 0.0).then(|| sum / total * gap(layout, i, self.power))
         };
         StatedError {
             slice: slice_part(layout, &self.slices, i),
             incidence,
         }
     }
+}
+
+/// The power of the square distance of `i` to its neighbours that errors go with. What a local quadratic leaves changes
+/// with the cosine of incidence to that power too.
+fn gap(layout: &Layout, i: DVec3, power: f64) -> f64 {
+    let gap = gap_of(layout.spread(i), power);
+    if layout.placed().is_empty() || power == LINEAR {
+        return gap;
+    }
+    gap / i.z.max(LEAST_COSINE).powf(2.0 * power)
+}
+
+fn gap_of(spread: f64, power: f64) -> f64 {
+    spread.max(0.0).powf(power)
 }
 
 /// How far `i` lies past the measured incidences. Towards grazing incidence scattering changes with the cosine: a step from
@@ -162,6 +220,8 @@ mod tests {
         };
         let errors = PartErrors {
             slices: vec![slice; 3],
+            light: vec![1.0; 3],
+            peak: None,
             power: LINEAR,
             within: vec![(at(30.0), 0.5)],
             beyond: Some(0.2),

@@ -51,7 +51,8 @@ impl DataDriven {
     /// reciprocity (relative L1 difference of exchanged readings, or None), exchange (whether that is used past the
     /// measured incidences), slices (theta_i, phi_i and the relative L1 error of each), candidate, base (its parametric
     /// model, or None), beyond and beyond_base (the same past the measured incidences), scores (mean relative L1 of every
-    /// candidate by name).
+    /// candidate by name), peak (None, or of a narrow peak taken apart: radius in degrees, shares as (theta_i, phi_i, share of
+    /// the incident light), candidate, base).
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.0
@@ -68,6 +69,19 @@ impl DataDriven {
                 dict.set_item("symmetry", s.symmetry)?;
                 dict.set_item("reciprocity", s.reciprocity)?;
                 dict.set_item("exchange", s.exchange)?;
+                let peak = s.peak.as_ref().map(|p| {
+                    let peak = PyDict::new(py);
+                    peak.set_item("radius", p.radius.to_degrees())?;
+                    let shares = p.shares.iter().map(|(incidence, share)| {
+                        let (theta_i, phi_i) = incidence.to_degrees();
+                        (theta_i, phi_i, *share)
+                    });
+                    peak.set_item("shares", shares.collect::<Vec<_>>())?;
+                    peak.set_item("candidate", p.candidate.name())?;
+                    peak.set_item("base", p.base.as_deref())?;
+                    PyResult::Ok(peak)
+                });
+                dict.set_item("peak", peak.transpose()?)?;
                 let slices = s.slice_errors.iter().map(|(incidence, error)| {
                     let slice = PyDict::new(py);
                     let (theta_i, phi_i) = incidence.to_degrees();

@@ -90,6 +90,8 @@ pub enum Method {
     Components,
     /// The same with lobes turned with the mirror (through) direction.
     TurnedComponents,
+    /// Lobes that are found in every slice and followed (samples with axes).
+    Tracked,
 }
 
 impl Method {
@@ -100,6 +102,8 @@ impl Method {
             Method::Ratio(frame) => ratio::of(frame),
             Method::Components => &components::FACETS,
             Method::TurnedComponents => &components::TURNED,
+            // The lobes are moved apart from this; without one, slices stay as they are.
+            Method::Tracked => plain::of(Frame::Still),
         }
     }
 
@@ -135,7 +139,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// Every candidate, the preferred one of a tie first.
-    pub const ALL: [Candidate; 11] = [
+    pub const ALL: [Candidate; 12] = [
         Candidate::linear(Method::Ratio(Frame::HalfVector)),
         Candidate::linear(Method::Components),
         Candidate::linear(Method::TurnedComponents),
@@ -145,6 +149,7 @@ impl Candidate {
         Candidate::linear(Method::Split(Frame::HalfVector)),
         Candidate::linear(Method::Split(Frame::Mirror)),
         Candidate::linear(Method::Split(Frame::CosineShift)),
+        Candidate::linear(Method::Tracked),
         Candidate::linear(Method::Plain(Frame::Mirror)),
         Candidate::linear(Method::Plain(Frame::Still)),
     ];
@@ -197,6 +202,7 @@ impl Candidate {
             Method::Ratio(Frame::Retro) => "model x retro",
             Method::Components => "model x components",
             Method::TurnedComponents => "model x turned components",
+            Method::Tracked => "tracked lobes",
         }
     }
 }

@@ -146,7 +146,7 @@ impl Fitting {
     pub(crate) fn fit(
         &self,
         recipe: &Recipe,
-        known: Option<&Base>,
+        known: Option<&[f64]>,
         keep: impl Fn(usize) -> bool,
     ) -> Option<Base> {
         let all = (0..self.slices.len()).all(&keep);
@@ -174,7 +174,7 @@ impl Fitting {
             profile: false,
             warnings: false,
             start_readings: if all { START_READINGS } else { START_AGAIN },
-            start: known.map(|base| vec![base.parts.iter().flat_map(|p| p.values.clone()).collect()]),
+            start: known.map(|values| vec![values.to_vec()]),
             ..FitOptions::default()
         };
         // Slopes of facets are half as wide as what they scatter into.

@@ -2,6 +2,7 @@
 //! so that what is left to interpolate is smooth and close to 1.
 
 mod diffuse;
+mod divisor;
 mod drawing;
 mod fitting;
 mod recipes;
@@ -13,6 +14,7 @@ use gonio_bsdf::Bsdf;
 use gonio_bsdf::analytic::{Family, Pairs};
 use gonio_geom::{Component, DVec3, Direction};
 
+pub(crate) use divisor::Divisor;
 pub(crate) use fitting::{Fitting, Picked};
 pub(crate) use recipes::{Recipe, recipes, with_retro};
 
@@ -111,6 +113,11 @@ impl Base {
             Component::Reflection => Direction::from_unit(s),
             Component::Transmission => Direction::from_unit(DVec3::new(s.x, s.y, -s.z)),
         }
+    }
+
+    /// The parameters of all parts, one after the other, as [`Fitting::fit`] takes them to begin with.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        self.parts.iter().flat_map(|p| p.values.iter().copied()).collect()
     }
 
     /// Whether some part moves as `moves`.

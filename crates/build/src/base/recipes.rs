@@ -1,16 +1,17 @@
 //! The analytic sums that are tried as a base.
 
 use gonio_bsdf::BsdfError;
-use gonio_bsdf::analytic::{Family, Of, family};
+use gonio_bsdf::analytic::{Family, Of, Role, family};
 use gonio_fit::FitModel;
 use gonio_geom::Component;
 
 use super::Moves;
 use super::diffuse::Coated;
-use super::retro::RetroLobe;
+use super::retro::{RetroLobe, RoundRetroLobe};
 
 static COATED: Of<Coated, 1> = Of::NEW;
 static RETRO: Of<RetroLobe, 2> = Of::NEW;
+static ROUND: Of<RoundRetroLobe, 2> = Of::NEW;
 
 /// Lobes about the mirror direction that stand beside the diffuse parts, for samples without an axis.
 const ISOTROPIC: &[&[&str]] = &[
@@ -105,11 +106,96 @@ pub(crate) fn recipes(component: Component, isotropic: bool, more: bool) -> Resu
     Ok(all)
 }
 
-/// `recipe` with a lobe about the direction of incidence.
-pub(crate) fn with_retro(recipe: &Recipe) -> Recipe {
-    let mut parts = recipe.parts();
-    parts.push((&RETRO, Moves::Retro));
-    Recipe::new(&parts)
+impl Recipe {
+    /// Where to look for the parameters of this recipe when those of the same one without its last lobe are `known`: the
+    /// new lobe beside the last one, turned, wider or narrower than it, or of a few widths where it is of another kind.
+    pub(crate) fn starts(&self, known: &[f64]) -> Vec<Vec<f64>> {
+        let Some((added, before)) = self.model.parts.split_last() else {
+            return Vec::new();
+        };
+        let info = added.info();
+        let last = before.last().map(|p| p.info()).filter(|l| l.name == info.name);
+        let mut out = Vec::new();
+        for (scale, turn) in SECOND {
+            let mut values = known.to_vec();
+            let first = values.len() - last.map_or(0, |l| l.parameters.len());
+            for (k, parameter) in info.parameters.iter().enumerate() {
+                let own = match last {
+                    Some(_) => values[first + k],
+                    None => parameter.default,
+                };
+                let value = match parameter.role {
+                    Role::Amplitude => 0.5 * own,
+                    Role::Width => scale * own,
+                    Role::Angle => own + turn,
+                    _ => own,
+                };
+                values.push(value.clamp(parameter.low, parameter.high));
+            }
+            if !out.contains(&values) {
+                out.push(values);
+            }
+        }
+        // One lobe that stands for two crossed ones lies between them, and is rounder than both.
+        let angle = info.parameters.iter().position(|p| p.role == Role::Angle);
+        if let (Some(last), Some(angle)) = (last, angle) {
+            let n = last.parameters.len();
+            let widths: Vec<usize> = (0..n)
+                .filter(|&k| info.parameters[k].role == Role::Width)
+                .collect();
+            for turn in CROSSED {
+                let mut values = known.to_vec();
+                let first = values.len() - n;
+                values.extend_from_within(first..);
+                for (lobe, turn) in [(first, -turn), (first + n, turn)] {
+                    for (k, parameter) in info.parameters.iter().enumerate() {
+                        if parameter.role == Role::Amplitude {
+                            values[lobe + k] *= 0.5;
+                        }
+                    }
+                    if let [a, b] = widths[..] {
+                        let (thin, long) = if values[lobe + a] < values[lobe + b] {
+                            (a, b)
+                        } else {
+                            (b, a)
+                        };
+                        values[lobe + thin] /= LONGER;
+                        values[lobe + long] *= LONGER;
+                    }
+                    values[lobe + angle] += turn;
+                    for (value, parameter) in values[lobe..lobe + n].iter_mut().zip(info.parameters) {
+                        *value = value.clamp(parameter.low, parameter.high);
+                    }
+                }
+                out.push(values);
+            }
+        }
+        out
+    }
+}
+
+/// Angles of two crossed lobes on both sides of what one lobe finds, radians, and how much longer and thinner they are.
+const CROSSED: [f64; 3] = [0.25, 0.5, 0.75];
+const LONGER: f64 = 1.4;
+
+/// Widths of a second lobe over those of the first, and the angle between their axes, radians.
+const SECOND: [(f64, f64); 6] = [
+    (1.6, 0.7),
+    (0.6, 0.7),
+    (1.6, -0.7),
+    (0.6, -0.7),
+    (3.0, 0.0),
+    (0.3, 0.0),
+];
+
+/// `recipe` with a lobe about the direction of incidence, of either kind.
+pub(crate) fn with_retro(recipe: &Recipe) -> [Recipe; 2] {
+    let kinds: [&'static dyn Family; 2] = [&RETRO, &ROUND];
+    kinds.map(|kind| {
+        let mut parts = recipe.parts();
+        parts.push((kind, Moves::Retro));
+        Recipe::new(&parts)
+    })
 }
 
 #[cfg(test)]

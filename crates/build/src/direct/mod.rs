@@ -16,9 +16,9 @@ use rayon::prelude::*;
 
 use self::beam_shape::BeamShape;
 use self::peak::Found;
-use crate::builder::local_incidence;
 use crate::images::Symmetry;
 use crate::layout::Layout;
+use crate::pile::local_incidence;
 use crate::symmetry::{SAME_THETA, polar};
 
 /// Fewest incidences with a peak.

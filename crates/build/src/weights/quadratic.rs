@@ -1,5 +1,6 @@
 //! Moving least squares with parabolas over the nearest points \[LancasterSalkauskas1981\].
 
+use crate::linear::solve;
 use crate::plane::Point;
 
 use super::Weights;
@@ -11,7 +12,7 @@ const NEAREST: usize = 12;
 const TERMS: usize = 6;
 
 /// Largest sum of absolute weights: beyond it noise and model errors are amplified too much.
-const LARGEST: f64 = 1.9;
+const LARGEST: f64 = 3.5;
 
 /// Weights at `p` that reproduce every parabola through `points`; `None` with fewer than twelve of them, or where they
 /// would amplify errors.
@@ -45,7 +46,9 @@ pub(crate) fn quadratic(points: &[Point], p: Point) -> Option<Weights> {
             }
         }
     }
-    let solution = first_column_of_inverse(normal)?;
+    let mut first = [0.0; TERMS];
+    first[0] = 1.0;
+    let solution = solve(normal, first)?;
     let mut weights = Weights::NONE;
     let (mut sum, mut size) = (0.0, 0.0);
     for (m, (_, k)) in nearest.iter().enumerate() {
@@ -55,35 +58,6 @@ pub(crate) fn quadratic(points: &[Point], p: Point) -> Option<Weights> {
         size += w.abs();
     }
     (size <= LARGEST && (sum - 1.0).abs() < 1e-6).then_some(weights)
-}
-
-/// `A x = e_1` for a positive matrix given by its lower triangle, by Cholesky's method; `None` when it is (nearly) singular.
-fn first_column_of_inverse(mut a: [[f64; TERMS]; TERMS]) -> Option<[f64; TERMS]> {
-    for i in 0..TERMS {
-        let diagonal = a[i][i];
-        for j in 0..=i {
-            let done: f64 = (0..j).map(|k| a[i][k] * a[j][k]).sum();
-            let left = a[i][j] - done;
-            if i == j {
-                if left <= 1e-11 * diagonal {
-                    return None;
-                }
-                a[i][i] = left.sqrt();
-            } else {
-                a[i][j] = left / a[j][j];
-            }
-        }
-    }
-    let mut x = [0.0; TERMS];
-    for i in 0..TERMS {
-        let done: f64 = (0..i).map(|k| a[i][k] * x[k]).sum();
-        x[i] = (if i == 0 { 1.0 } else { 0.0 } - done) / a[i][i];
-    }
-    for i in (0..TERMS).rev() {
-        let done: f64 = (i + 1..TERMS).map(|k| a[k][i] * x[k]).sum();
-        x[i] = (x[i] - done) / a[i][i];
-    }
-    Some(x)
 }
 
 #[cfg(test)]
