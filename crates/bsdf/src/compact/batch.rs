@@ -6,8 +6,9 @@ use multiversion::multiversion;
 use crate::analytic::{Fast, Real};
 use crate::batch::Directions;
 
-use super::Part;
-use super::frame::{ANISOTROPIC, BILATERAL, CHIRAL, ISOTROPIC, QUADRILATERAL, Symmetry};
+use super::dense::Slab;
+use super::frame::{ANISOTROPIC, BILATERAL, CHIRAL, ISOTROPIC, QUADRILATERAL};
+use super::{Part, Symmetry};
 
 /// Pairs that are worked on together.
 const LANES: usize = 64;
@@ -16,27 +17,61 @@ const ROWS: usize = 4;
 
 type Lanes = [f32; LANES];
 
+/// The table at the one incidence of `n` pairs, when there are enough of them to make it for.
+pub(super) fn slab(part: &Part, wi: Directions<'_, f32>, n: usize) -> Option<Slab> {
+    let Directions::One([x, y, z]) = wi else {
+        return None;
+    };
+    if part.dense.plane() > n || Side::of_z(f64::from(z)) != part.side {
+        return None;
+    }
+    let wi = [x, y, z.abs()].map(f64::from);
+    let [x, p_i, ..] = part.frame.coordinates(wi, wi);
+    let density = part.frame.density();
+    Some(
+        part.dense
+            .slab((x * density[0]) as f32, (p_i * density[1]) as f32),
+    )
+}
+
 /// Multiplies base values `f` (one row a channel) by the ratio of `part`, and adds them to `out`, for the pairs that lie in
 /// the part's component.
 pub(super) fn add(
     part: &Part,
+    slab: Option<&Slab>,
     wi: Directions<'_, f32>,
     ws: Directions<'_, f32>,
     base: &[&mut [f32]],
     out: &mut [&mut [f32]],
 ) {
     match part.frame.symmetry {
-        Symmetry::Isotropic => add_loop::<ISOTROPIC>(part, wi, ws, base, out),
-        Symmetry::IsotropicChiral => add_loop::<CHIRAL>(part, wi, ws, base, out),
-        Symmetry::Quadrilateral => add_loop::<QUADRILATERAL>(part, wi, ws, base, out),
-        Symmetry::Bilateral => add_loop::<BILATERAL>(part, wi, ws, base, out),
-        Symmetry::Anisotropic => add_loop::<ANISOTROPIC>(part, wi, ws, base, out),
+        Symmetry::Isotropic => add_kind::<ISOTROPIC, 3>(part, slab, wi, ws, base, out),
+        Symmetry::IsotropicChiral => add_kind::<CHIRAL, 3>(part, slab, wi, ws, base, out),
+        Symmetry::Quadrilateral => add_kind::<QUADRILATERAL, 4>(part, slab, wi, ws, base, out),
+        Symmetry::Bilateral => add_kind::<BILATERAL, 4>(part, slab, wi, ws, base, out),
+        Symmetry::Anisotropic => add_kind::<ANISOTROPIC, 4>(part, slab, wi, ws, base, out),
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
-fn add_loop<const KIND: u8>(
+fn add_kind<const KIND: u8, const RANK: usize>(
     part: &Part,
+    slab: Option<&Slab>,
+    wi: Directions<'_, f32>,
+    ws: Directions<'_, f32>,
+    base: &[&mut [f32]],
+    out: &mut [&mut [f32]],
+) {
+    match slab {
+        Some(_) => add_loop::<KIND, 2>(part, slab, wi, ws, base, out),
+        None => add_loop::<KIND, RANK>(part, None, wi, ws, base, out),
+    }
+}
+
+/// `D` is 2 with a slab, which one incidence for all pairs has, without one the rank of the table.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
+fn add_loop<const KIND: u8, const D: usize>(
+    part: &Part,
+    slab: Option<&Slab>,
     wi: Directions<'_, f32>,
     ws: Directions<'_, f32>,
     base: &[&mut [f32]],
@@ -53,40 +88,39 @@ fn add_loop<const KIND: u8>(
     let density = part.frame.density().map(|d| d as f32);
     let mut i = [[0.0; LANES]; 3];
     let mut s = [[0.0; LANES]; 3];
-    let mut logs = [[0.0; LANES]; ROWS];
+    load(wi, 0, n, &mut i);
+    let one = [i[0][0], i[1][0], i[2][0]];
     for start in (0..n).step_by(LANES) {
-        load(wi, start, n, &mut i);
+        if D > 2 {
+            load(wi, start, n, &mut i);
+        }
         load(ws, start, n, &mut s);
-        let mut inside = [0.0; LANES];
+        let mut inside = [0_u32; LANES];
         let mut positions = [[0.0; LANES]; 4];
-        let mut any = 0.0;
         for l in 0..LANES {
-            let (zi, zs) = (i[2][l] * sign, s[2][l] * turn);
-            let lit = if (zi > 0.0) & (zs > 0.0) { 1.0 } else { 0.0 };
-            inside[l] = lit;
-            any += lit;
+            let [ix, iy, iz] = if D == 2 { one } else { [i[0][l], i[1][l], i[2][l]] };
+            let (zi, zs) = (iz * sign, s[2][l] * turn);
+            inside[l] = u32::from((zi > 0.0) & (zs > 0.0));
             let at = chart.coordinates::<Fast<f32>, KIND>(
-                [Fast(i[0][l]), Fast(i[1][l]), Fast(zi.abs())],
+                [Fast(ix), Fast(iy), Fast(zi.abs())],
                 [Fast(s[0][l]), Fast(s[1][l]), Fast(zs.abs())],
             );
-            for k in 0..4 {
-                positions[k][l] = at[k].0 * density[k];
-            }
+            positions[0][l] = at[0].0 * density[0];
+            positions[1][l] = at[1].0 * density[1];
+            positions[2][l] = at[2].0 * density[2];
+            positions[3][l] = at[3].0 * density[3];
         }
-        if any == 0.0 {
+        if inside == [0; LANES] {
             continue;
         }
-        for c in (0..base.len()).step_by(ROWS) {
-            let rows = (base.len() - c).min(ROWS);
+        let places = part.dense.places::<D, LANES>(&positions);
+        let range = start..n.min(start + LANES);
+        for (group, base) in base.chunks(ROWS).enumerate() {
+            let mut logs = [[0.0; LANES]; ROWS];
             part.dense
-                .interpolate_group(c / ROWS, &positions, &inside, &mut logs[..rows]);
-            for (k, log) in logs[..rows].iter().enumerate() {
-                apply(
-                    log,
-                    &inside,
-                    &base[c + k][start..n.min(start + LANES)],
-                    &mut out[c + k][start..n.min(start + LANES)],
-                );
+                .interpolate::<D, LANES>(group, slab, &places, &mut logs);
+            for ((log, base), out) in logs.iter().zip(base).zip(&mut out[group * ROWS..]) {
+                apply(log, &inside, &base[range.clone()], &mut out[range.clone()]);
             }
         }
     }
@@ -94,10 +128,25 @@ fn add_loop<const KIND: u8>(
 
 /// `out += base e^log` where `inside` is 1.
 #[inline(always)]
-fn apply(log: &Lanes, inside: &Lanes, base: &[f32], out: &mut [f32]) {
-    for (((log, inside), base), out) in log.iter().zip(inside).zip(base).zip(out) {
-        let value = Fast(*log).exp().0 * *base;
-        *out += if *inside > 0.0 { value } else { 0.0 };
+fn apply(log: &Lanes, inside: &[u32; LANES], base: &[f32], out: &mut [f32]) {
+    let mut values = [0.0; LANES];
+    if let Some(whole) = base.first_chunk::<LANES>() {
+        values = *whole;
+    } else {
+        values[..base.len()].copy_from_slice(base);
+    }
+    for l in 0..LANES {
+        let value = Fast(log[l]).exp().0 * values[l];
+        values[l] = if inside[l] == 1 { value } else { 0.0 };
+    }
+    if let Some(whole) = out.first_chunk_mut::<LANES>() {
+        for l in 0..LANES {
+            whole[l] += values[l];
+        }
+    } else {
+        for (out, value) in out.iter_mut().zip(values) {
+            *out += value;
+        }
     }
 }
 

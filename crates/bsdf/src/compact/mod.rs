@@ -5,7 +5,9 @@
 //! are drawn from `b`, whose mixture density they have exactly; their weight is bounded, as the ratio is.
 
 mod batch;
+mod dense;
 mod frame;
+mod symmetry;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -16,8 +18,9 @@ use crate::analytic::{Parametric, Scatters, Sum, model_named};
 use crate::batch::{Directions, SampleColumns, eval_each, sample_each};
 use crate::{Bsdf, BsdfError, Channel, FourComponents, Properties, Sample};
 
-pub use frame::{Frame, Symmetry};
-use table::Dense;
+use dense::Dense;
+pub use frame::Frame;
+pub use symmetry::Symmetry;
 pub use table::{Codes, LARGEST, Quantised};
 
 /// One lobe of a base.
@@ -184,10 +187,19 @@ impl Part {
         let density = self.frame.density();
         let positions = [0, 1, 2, 3].map(|k| [(at[k] * density[k]) as f32]);
         self.base.eval(wi, ws, f);
+        let isotropic = self.frame.symmetry.is_isotropic();
+        let places = if isotropic {
+            self.dense.places::<3, 1>(&positions)
+        } else {
+            self.dense.places::<4, 1>(&positions)
+        };
         for (group, rows) in f.chunks_mut(4).enumerate() {
             let mut logs = [[0.0]; 4];
-            self.dense
-                .interpolate_group(group, &positions, &[1.0], &mut logs[..rows.len()]);
+            if isotropic {
+                self.dense.interpolate::<3, 1>(group, None, &places, &mut logs);
+            } else {
+                self.dense.interpolate::<4, 1>(group, None, &places, &mut logs);
+            }
             for (f, log) in rows.iter_mut().zip(logs) {
                 let value = *f * f64::from(log[0]).exp();
                 *f = if value.is_finite() { value } else { 0.0 };
@@ -253,18 +265,19 @@ impl Bsdf for Compact {
             "one row a channel and one entry a pair"
         );
         let mut base = vec![0.0_f32; STRETCH.min(n) * f.len()];
+        let slabs: Vec<_> = self.parts.iter().map(|p| batch::slab(p, wi, n)).collect();
         for start in (0..n).step_by(STRETCH) {
             let range = start..(start + STRETCH).min(n);
             let (wi, ws) = (wi.range(range.clone()), ws.range(range.clone()));
             let mut rows: Vec<&mut [f32]> = f.iter_mut().map(|row| &mut row[range.clone()]).collect();
             rows.iter_mut().for_each(|row| row.fill(0.0));
-            for part in &self.parts {
+            for (part, slab) in self.parts.iter().zip(&slabs) {
                 if !batch::any_in(part.side, part.component, wi, ws, range.len()) {
                     continue;
                 }
                 let mut base: Vec<&mut [f32]> = base.chunks_mut(range.len()).take(rows.len()).collect();
                 part.base.eval_f32(wi, ws, &mut base);
-                batch::add(part, wi, ws, &base, &mut rows);
+                batch::add(part, slab.as_ref(), wi, ws, &base, &mut rows);
             }
         }
     }

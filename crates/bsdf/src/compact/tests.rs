@@ -276,3 +276,35 @@ fn what_does_not_fit_together_is_refused_by_name() {
     assert_eq!(refused(&|p| p.table.offset[0] = f32::NAN), "offset");
     assert_eq!(refused(&|p| p.table.step[0] = -0.1), "offset");
 }
+
+#[test]
+fn one_incidence_for_all_pairs_gives_what_each_its_own_gives() {
+    for (symmetry, _) in Symmetry::NAMES {
+        for channels in [vec![Channel::Photopic], three()] {
+            let model = model(symmetry, channels.clone());
+            for theta in [0.0, 25.0, 80.0, 130.0] {
+                let wi = Direction::from_degrees(theta, 77.0)
+                    .vec()
+                    .to_array()
+                    .map(|v| v as f32);
+                let pairs: Vec<_> = (0..1100).map(|k| pair(k).1.vec().to_array()).collect();
+                let ws = [0, 1, 2].map(|k| pairs.iter().map(|p| p[k] as f32).collect::<Vec<_>>());
+                let each = wi.map(|v| vec![v; pairs.len()]);
+                let columns = |c: &[Vec<f32>; 3], wi: Directions<'_, f32>| {
+                    let mut rows = vec![vec![f32::NAN; pairs.len()]; channels.len()];
+                    let mut views: Vec<&mut [f32]> = rows.iter_mut().map(|r| &mut r[..]).collect();
+                    model.eval_f32(wi, Directions::Each(c.each_ref().map(|c| &c[..])), &mut views);
+                    rows
+                };
+                let one = columns(&ws, Directions::One(wi));
+                let all = columns(&ws, Directions::Each(each.each_ref().map(|c| &c[..])));
+                let mut lit = 0;
+                for (a, b) in one.iter().flatten().zip(all.iter().flatten()) {
+                    assert!((a - b).abs() <= 2e-5 * b, "{symmetry:?} {theta}: {a} {b}");
+                    lit += usize::from(*b > 0.0);
+                }
+                assert!(lit > 200, "{symmetry:?} {theta}: {lit}");
+            }
+        }
+    }
+}
