@@ -449,6 +449,7 @@ def to_tensor_tree(
     max_depth: int | None = None,
     target: float | None = None,
     max_cells: int | None = None,
+    max_bytes: int | None = None,
 ) -> TensorTree: ...
 def write_radiance_xml(
     path: str | PathLike[str],

@@ -43,9 +43,11 @@ class Export:
     """What was written where, and what the reduction of the model found and lost (empty for tables).
 
     `report["loss"]` maps (side, component) to a dict of the comparison with the full model at the incidences
-    `LOSS_THETA_I`: rel_l1 (mean) and rel_l1_max of the integral of |df| cos over that of f cos, and
+    `LOSS_THETA_I`: rel_l1 (mean) and rel_l1_max of the integral of |df| cos over that of f cos,
     dhr_difference, the directional albedo of the reduced model less that of the full one where they differ
-    most. NaN where the model does not scatter.
+    most, peak_ratio, the greatest value of the reduced model over that of the full one where they differ most,
+    reciprocity and reciprocity_model, the mean relative difference of f from f with the directions swapped.
+    NaN where the model does not scatter.
     """
 
     to: str
@@ -69,6 +71,7 @@ def export(
     rank: int | None = None,
     max_depth: int | None = None,
     target: float | None = None,
+    max_bytes: int | None = None,
     name: str | None = None,
     manufacturer: str = "",
     thickness: float | None = None,
@@ -114,7 +117,11 @@ def export(
     max_depth
         Finest cells of radiance-ttree: 2**-max_depth of the square's side; None is 8.
     target
-        Relative L1 error at which the refinement of radiance-ttree stops; None is 0.03.
+        Relative L1 error at which the refinement of radiance-ttree stops, mean over incidences; None is 0.03,
+        or 0 with `max_bytes`.
+    max_bytes
+        Bytes of each component's data at which the refinement of radiance-ttree stops (the rest of the file
+        takes about 1 kB); None sets no limit but 40,000 cells.
     name, manufacturer, thickness
         Metadata of a Radiance file, thickness in metres; the name is the sample's unless given.
     as_visible
@@ -180,7 +187,9 @@ def export(
             )
         else:
             reduced = interruptible(
-                lambda: _native.to_tensor_tree(model, rank=rank, max_depth=max_depth, target=target, **shared)
+                lambda: _native.to_tensor_tree(
+                    model, rank=rank, max_depth=max_depth, target=target, max_bytes=max_bytes, **shared
+                )
             )
         progress("reducing", 1, 1)
         report = dict(reduced.report) | {"loss": _loss(model, reduced, channel, reduced.components)}
@@ -243,26 +252,37 @@ def _loss(
     phi_i = (0.0,) if model.properties["isotropic"] else (0.0, 45.0, 90.0, 135.0)
     losses: dict[Component, dict[str, float]] = {}
     for side, component in components:
-        at = [
-            _native.reduction_loss(
-                model,
-                reduced,
-                theta_i=theta if side == "front" else 180.0 - theta,
-                phi_i=phi,
-                component=component,
-                channel=channel,
-            )
+        where = [
+            {"theta_i": theta if side == "front" else 180.0 - theta, "phi_i": phi, "component": component}
             for theta in LOSS_THETA_I
             for phi in phi_i
         ]
+        at = [_native.reduction_loss(model, reduced, channel=channel, **wi) for wi in where]
+        names = [channel or model.channels[0], reduced.channels[0]]
+        if channel in reduced.channels:
+            names[1] = names[0]
+        swapped = [
+            _native.compare_models(model, reduced, channel_a=names[0], channel_b=names[1], **wi)
+            for wi in where
+        ]
         rel_l1 = [one["rel_l1"] for one in at if math.isfinite(one["rel_l1"])]
         differences = [one["albedo_reduced"] - one["albedo_model"] for one in at]
+        peaks = [one["peak_ratio"] for one in at if one["peak_ratio"] > 0]
         losses[side, component] = {
-            "rel_l1": sum(rel_l1) / len(rel_l1) if rel_l1 else math.nan,
+            "rel_l1": _mean(rel_l1),
             "rel_l1_max": max(rel_l1, default=math.nan),
             "dhr_difference": max(differences, key=abs),
+            "peak_ratio": max(peaks, key=lambda ratio: abs(math.log(ratio)), default=math.nan),
+            "reciprocity": _mean([one["reciprocity_b"] for one in swapped]),
+            "reciprocity_model": _mean([one["reciprocity_a"] for one in swapped]),
         }
     return losses
+
+
+def _mean(values: Sequence[float]) -> float:
+    """Mean of the finite ones, NaN without any."""
+    finite = [v for v in values if math.isfinite(v)]
+    return sum(finite) / len(finite) if finite else math.nan
 
 
 def _check_measured(model: Bsdf, components: Sequence[Component]) -> None:

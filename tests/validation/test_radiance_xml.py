@@ -101,3 +101,44 @@ def test_rtrace_renders_the_model(radiance, tmp_path, kind):
     assert np.all(got <= 1.01 * np.array(most))
     # far from the lobe jitter changes nothing
     np.testing.assert_allclose(got[3:], np.array(least)[3:], rtol=0.01)
+
+
+@pytest.mark.parametrize("kind", ["klems", "tree"])
+def test_rpict_shows_the_model(radiance, tmp_path, kind):
+    """A picture of a sheet in the sun: every pixel looks from its own direction."""
+    source = _native.analytic(MODELS["isotropic"])
+    model = _native.to_klems(source) if kind == "klems" else _native.to_tensor_tree(source)
+    _native.write_radiance_xml(tmp_path / "a.xml", model)
+    theta_i, size, radiance_of_source, n = 40.0, 0.5, 1e6, 24
+    s, c = np.sin(np.radians(theta_i)), np.cos(np.radians(theta_i))
+    (tmp_path / "a.rad").write_text(
+        f"void light sun 0 0 3 {radiance_of_source} {radiance_of_source} {radiance_of_source}\n"
+        f"sun source s 0 0 4 {s} 0 {c} {size}\n"
+        "void BSDF m 6 0 a.xml 0 1 0 . 0 0\n"
+        "m polygon p 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
+    )
+    (tmp_path / "a.oct").write_bytes(radiance.run("oconv", "a.rad", cwd=tmp_path))
+    # seen from where the mirror direction goes, so that the lobe is in the middle
+    view = ["-vtv", "-vp", str(-3 * s), "0", str(3 * c), "-vd", str(s), "0", str(-c), "-vu", "0", "1", "0"]
+    view += ["-vh", "60", "-vv", "60"]
+    exact = ["-ab", "0", "-dj", "0", "-pj", "0", "-ps", "1", "-ss", "64"]
+    picture = radiance.run("rpict", *view, *exact, "-x", str(n), "-y", str(n), "a.oct", cwd=tmp_path)
+    text = radiance.run("pvalue", "-h", "-H", "-d", "-b", cwd=tmp_path, stdin=picture)
+    got = np.array(text.split(), float).reshape(n, n)
+    rays = radiance.run("vwrays", *view, "-x", str(n), "-y", str(n), cwd=tmp_path)
+    direction = np.array(rays.split(), float).reshape(n, n, 6)[..., 3:]
+    theta = np.degrees(np.arccos(-direction[..., 2]))
+    phi = np.degrees(np.arctan2(-direction[..., 1], -direction[..., 0]))
+    irradiance = radiance_of_source * 2 * np.pi * (1 - np.cos(np.radians(size / 2))) * c
+    # RADIANCE jitters directions over about a patch or cell
+    jitter = np.linspace(-1, 1, 9) * (8.0 if kind == "klems" else 2.0)
+    near = {
+        "theta_i": np.clip(theta[..., None, None] + jitter[:, None], 0, 90),
+        "phi_i": phi[..., None, None] + jitter / np.sin(np.radians(theta.clip(10)))[..., None, None],
+    }
+    f = model.eval(theta_s=theta_i, phi_s=0.0, **near) * irradiance
+    # a pixel has 8 bits a colour
+    assert np.all(got >= 0.98 * f.min(axis=(2, 3))), (got / f.min(axis=(2, 3))).min()
+    assert np.all(got <= 1.02 * f.max(axis=(2, 3))), (got / f.max(axis=(2, 3))).max()
+    assert got.max() > 4 * np.median(got) / (2 if kind == "klems" else 1)
+    np.testing.assert_allclose(got.sum(), f.mean(axis=(2, 3)).sum(), rtol=0.03)

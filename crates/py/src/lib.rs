@@ -6,6 +6,7 @@ mod batch;
 mod bsdf;
 mod checking;
 mod compact;
+mod compact_parts;
 mod errors;
 mod files;
 mod fit;

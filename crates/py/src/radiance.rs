@@ -277,9 +277,11 @@ fn to_klems(
 /// Reduce a model to tensor trees, halving cells where the model varies most.
 ///
 /// `rank`: 3 (isotropic), 4, or None for what the model needs. Refinement stops at the relative L1 error `target`, at
-/// `max_cells` cells a component or at cells of side 2**-max_depth. Raises DomainError.
+/// `max_cells` cells or `max_bytes` bytes of a file (no limit of cells then) a component, or at cells of side 2**-max_depth.
+/// Raises DomainError.
 #[pyfunction]
-#[pyo3(signature = (bsdf, *, rank=None, components=None, channel=None, max_depth=None, target=None, max_cells=None))]
+#[pyo3(signature = (bsdf, *, rank=None, components=None, channel=None, max_depth=None, target=None, max_cells=None,
+                    max_bytes=None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 fn to_tensor_tree(
     py: Python<'_>,
@@ -290,6 +292,7 @@ fn to_tensor_tree(
     max_depth: Option<u8>,
     target: Option<f64>,
     max_cells: Option<usize>,
+    max_bytes: Option<usize>,
 ) -> PyResult<Py<PyAny>> {
     let rank = match rank {
         None => None,
@@ -303,8 +306,14 @@ fn to_tensor_tree(
         components: self::components(components)?,
         channel: bsdf.channel_index(channel)?,
         max_depth: max_depth.unwrap_or(default.max_depth),
-        target: target.unwrap_or(default.target),
-        max_cells: max_cells.unwrap_or(default.max_cells),
+        // a budget is used up unless a target is met first
+        target: target.unwrap_or(if max_bytes.is_some() { 0.0 } else { default.target }),
+        max_cells: max_cells.unwrap_or(match max_bytes {
+            // a cell takes three bytes at least
+            Some(bytes) => (bytes / 3).clamp(16, 1 << 26),
+            None => default.max_cells,
+        }),
+        max_bytes,
     };
     let model = bsdf.0.clone();
     let r = py
@@ -317,6 +326,11 @@ fn to_tensor_tree(
         error.set_item((s.to_string(), c.to_string()), e)?;
     }
     report.set_item("error", error)?;
+    let bytes = PyDict::new(py);
+    for (s, c, n) in r.bytes.iter() {
+        bytes.set_item((s.to_string(), c.to_string()), n)?;
+    }
+    report.set_item("bytes", bytes)?;
     report.set_item("evaluations", r.evaluations)?;
     wrap(
         py,

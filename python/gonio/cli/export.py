@@ -42,7 +42,12 @@ def export(
         int | None, typer.Option(help="Tensor tree: finest cells of side 2**-depth; 8 unless given.")
     ] = None,
     tolerance: Annotated[
-        float | None, typer.Option(help="Tensor tree: relative L1 error to stop at; 0.03 unless given.")
+        float | None,
+        typer.Option(help="Tensor tree: relative L1 error to stop at; 0.03 unless this or bytes are given."),
+    ] = None,
+    max_bytes: Annotated[
+        int | None,
+        typer.Option("--max-bytes", help="Tensor tree: bytes of the data of a component to stop at."),
     ] = None,
     name: Annotated[str | None, typer.Option(help="Name of the material. Without it the sample's.")] = None,
     manufacturer: Annotated[str, typer.Option(help="Its manufacturer.")] = "",
@@ -74,6 +79,7 @@ def export(
             rank=rank,
             max_depth=max_depth,
             target=tolerance,
+            max_bytes=max_bytes,
             name=name,
             manufacturer=manufacturer,
             thickness=thickness,
@@ -94,7 +100,9 @@ def export(
         quantity = "DHR" if kind == "reflection" else "DHT"
         out.print(
             f"  {side} {kind}: differs from the full model by {100 * loss['rel_l1']:.2f} % relative L1 "
-            f"(largest {100 * loss['rel_l1_max']:.2f} %), {quantity} by at most {loss['dhr_difference']:+.4f}"
+            f"(largest {100 * loss['rel_l1_max']:.2f} %), {quantity} by at most {loss['dhr_difference']:+.4f}, "
+            f"peak {loss['peak_ratio']:.3f} of the model's where they differ most, "
+            f"reciprocal within {100 * loss['reciprocity']:.1f} % (model {100 * loss['reciprocity_model']:.1f} %)"
         )
     capped = written.report.get("capped")
     if capped:

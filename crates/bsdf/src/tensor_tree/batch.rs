@@ -4,9 +4,10 @@ use gonio_geom::{Component, Side};
 use multiversion::multiversion;
 
 use super::mapping::{fixed, isotropic_incidence, mirror_azimuth, square};
-use super::sample::{Sampler, applies};
+use super::ring::INWARD;
+use super::sample::Sampler;
 use super::{Rank, Source, TensorTree};
-use crate::batch::{Directions, Number, SampleColumns, sample_each};
+use crate::batch::{Directions, Number, SampleColumns};
 
 /// Pairs that are worked on together; their columns stay in the first cache.
 const BLOCK: usize = 256;
@@ -104,7 +105,8 @@ fn values<T: Number>(alike: &mut Alike, source: Source<'_>, out: &mut [T]) {
     let (grid, tree) = (source.grid(), source.tree);
     match tree.rank() {
         Rank::Three => {
-            isotropic(i, o, position, *n);
+            let scale = if source.reversed { INWARD } else { 1.0 };
+            isotropic(i, o, scale, position, *n);
             let [a, b, c, _] = &*position;
             for j in 0..*n {
                 out[usize::from(place[j])] = T::rounded(f64::from(grid.value(tree, [a[j], b[j], c[j]])));
@@ -121,12 +123,12 @@ fn values<T: Number>(alike: &mut Alike, source: Source<'_>, out: &mut [T]) {
     }
 }
 
-/// Coordinates at rank 3.
+/// Coordinates at rank 3, exit cosines times `scale`.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw+fma", "x86_64+avx2+fma+bmi2"))]
-fn isotropic(i: &Vectors, o: &Vectors, position: &mut [[u32; BLOCK]; 4], n: usize) {
+fn isotropic(i: &Vectors, o: &Vectors, scale: f64, position: &mut [[u32; BLOCK]; 4], n: usize) {
     let [a, b, c, _] = position;
     for j in 0..n.min(BLOCK) {
-        let [at, u, v] = isotropic_coordinates([i[0][j], i[1][j]], [o[0][j], o[1][j]]);
+        let [at, u, v] = isotropic_coordinates([i[0][j], i[1][j]], [o[0][j] * scale, o[1][j] * scale]);
         (a[j], b[j], c[j]) = (fixed(at), fixed(u), fixed(v));
     }
 }
@@ -157,9 +159,6 @@ pub(crate) fn sample<T: Number>(
     u: [&[T]; 3],
     out: &mut SampleColumns<'_, T>,
 ) {
-    if !Side::BOTH.into_iter().all(|side| applies(model, side)) {
-        return sample_each(model, w, u, out);
-    }
     let samplers = Side::BOTH.map(|side| Sampler::new(model, side));
     // Rounding u up to 1 is not for a sampler to see.
     let uniform = |k: usize, j: usize| Into::<f64>::into(u[k][j]).clamp(0.0, 1.0 - f64::EPSILON);

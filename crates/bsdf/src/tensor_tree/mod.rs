@@ -9,6 +9,7 @@ mod grid;
 pub mod lookup;
 mod mapping;
 mod node;
+mod ring;
 mod sample;
 
 use std::sync::OnceLock;
@@ -21,12 +22,12 @@ use column::Columns;
 use grid::Grid;
 pub use lookup::Cell;
 pub use node::{MAX_DEPTH, Node, Rank, Tree, TreeBuilder};
+use ring::{INWARD, Rings};
 
 /// A tensor-tree model: up to four trees.
 ///
 /// Transmission that is absent for one side is answered from the other side's tree by reciprocity
-/// (`f_t(wi, ws) = f_t(ws, wi)`), as Radiance does; a rank-3 tree read that way is sampled only by the broad default.
-/// Everything else that is absent is 0.
+/// (`f_t(wi, ws) = f_t(ws, wi)`), as Radiance does, and sampled exactly too. Everything else that is absent is 0.
 #[derive(Debug)]
 pub struct TensorTree {
     channels: [Channel; 1],
@@ -39,7 +40,10 @@ pub struct TensorTree {
 struct Tables {
     grid: OnceLock<Grid>,
     forward: Columns,
+    /// Rank 4 only.
     reversed: Columns,
+    /// Rank 3 only: what stands for `reversed`.
+    rings: OnceLock<Rings>,
 }
 
 impl Clone for TensorTree {
@@ -73,6 +77,10 @@ impl<'a> Source<'a> {
         }
     }
 
+    fn rings(&self) -> &'a Rings {
+        self.tables.rings.get_or_init(|| Rings::new(self.tree))
+    }
+
     fn grid(&self) -> &'a Grid {
         self.tables.grid.get_or_init(|| Grid::new(self.tree))
     }
@@ -85,6 +93,7 @@ impl TensorTree {
             grid: OnceLock::new(),
             forward: Columns::new(t, false),
             reversed: Columns::new(t, true),
+            rings: OnceLock::new(),
         });
         TensorTree {
             channels: [channel],
@@ -130,7 +139,8 @@ impl TensorTree {
         let (i, o) = if s.reversed { (ws, wi) } else { (wi, ws) };
         f64::from(match s.tree.rank() {
             Rank::Three => {
-                let at = batch::isotropic_coordinates([i[0], i[1]], [o[0], o[1]]);
+                let scale = if s.reversed { INWARD } else { 1.0 };
+                let at = batch::isotropic_coordinates([i[0], i[1]], [o[0] * scale, o[1] * scale]);
                 s.grid().value(s.tree, at.map(mapping::fixed))
             }
             Rank::Four => {
@@ -140,33 +150,10 @@ impl TensorTree {
         })
     }
 
-    /// Directional-hemispherical reflectance or transmittance at `wi`; 0 where the model has no such component. A
-    /// rank-3 tree read in reverse is integrated on a grid of 128 x 128 directions.
+    /// Directional-hemispherical reflectance or transmittance at `wi`; 0 where the model has no such component.
     pub fn directional_albedo(&self, wi: Direction, component: Component) -> f64 {
-        let Some(s) = self.source(wi.side(), component) else {
-            return 0.0;
-        };
-        let c = lookup::coordinates(s.tree.rank(), wi, wi);
-        if !s.reversed {
-            return s.tree.albedo([c[0], c[1]]);
-        }
-        if s.tree.rank() == Rank::Four {
-            let mut sum = 0.0;
-            s.tree
-                .reversed_cross_section([c[2], c[3]], |c| sum += f64::from(c.value) * c.side * c.side);
-            return std::f64::consts::PI * sum;
-        }
-        let n = 128u32;
-        let step = 1.0 / f64::from(n);
-        let mut sum = 0.0;
-        for a in 0..n {
-            for b in 0..n {
-                let (u, v) = (step * (f64::from(a) + 0.5), step * (f64::from(b) + 0.5));
-                let ws = lookup::exit_direction(Rank::Four, wi, u, v, wi.side().opposite());
-                sum += self.eval_first(wi, ws);
-            }
-        }
-        std::f64::consts::PI * step * step * sum
+        self.source(wi.side(), component)
+            .map_or(0.0, |s| sample::albedo(s, wi.vec().to_array()))
     }
 }
 
@@ -208,40 +195,12 @@ impl Bsdf for TensorTree {
     }
 
     fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
-        if !sample::applies(self, w.side()) {
-            return broad_pdf(sampled);
-        }
         sample::pdf(self, w, sampled)
     }
 
-    /// Exact where the trees are read forwards or have rank 4: the weight is the albedo (reflection and transmission
-    /// together).
+    /// Exact: the weight is the albedo (reflection and transmission together).
     fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
-        if !sample::applies(self, w.side()) {
-            return Broad(self).sample(w, u);
-        }
         sample::sample(self, w, u)
-    }
-}
-
-fn broad_pdf(sampled: Direction) -> f64 {
-    0.5 * sampled.cos_theta().abs() / std::f64::consts::PI
-}
-
-/// The model with the default sampler of [`Bsdf`].
-struct Broad<'a>(&'a TensorTree);
-
-impl Bsdf for Broad<'_> {
-    fn channels(&self) -> &[Channel] {
-        self.0.channels()
-    }
-
-    fn properties(&self) -> Properties {
-        self.0.properties()
-    }
-
-    fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
-        self.0.eval(wi, ws, f);
     }
 }
 

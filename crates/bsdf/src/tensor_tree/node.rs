@@ -63,6 +63,19 @@ pub struct Tree {
 }
 
 impl Tree {
+    /// The shortest text of a value that Radiance reads back as the same number: no zero before the point.
+    pub fn text(v: f32) -> String {
+        if v == 0.0 || (1e-3..1e6).contains(&v) {
+            let text = v.to_string();
+            match text.strip_prefix("0.") {
+                Some(rest) => format!(".{rest}"),
+                None => text,
+            }
+        } else {
+            format!("{v:e}")
+        }
+    }
+
     /// The rank.
     pub fn rank(&self) -> Rank {
         self.rank

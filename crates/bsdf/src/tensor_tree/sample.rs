@@ -4,24 +4,64 @@ use gonio_geom::{Component, DVec3, Direction, Side};
 
 use super::column::{Drawn, Held};
 use super::mapping::{disk, isotropic_incidence, mirror_azimuth, square};
+use super::ring::{Piece, Ring};
 use super::{Rank, Source, TensorTree};
 use crate::{Lobe, Sample};
 
 const COMPONENTS: [Component; 2] = [Component::Reflection, Component::Transmission];
 
-/// Whether the exact sampler applies for light from `side`.
-pub(crate) fn applies(model: &TensorTree, side: Side) -> bool {
-    COMPONENTS.iter().all(|c| {
-        model
-            .source(side, *c)
-            .is_none_or(|s| !(s.reversed && s.tree.rank() == Rank::Three))
-    })
-}
-
-/// The components there are for light from one side; the exact sampler must apply.
+/// The components there are for light from one side.
 pub(crate) struct Sampler<'a> {
     parts: [Option<Source<'a>>; 2],
     side: Side,
+}
+
+/// What there is to draw from for one direction, of one component.
+enum Across<'a> {
+    Column(Held<'a>),
+    Ring(Ring<'a>),
+}
+
+/// A cell that was drawn.
+#[derive(Clone, Copy)]
+pub(crate) enum Found {
+    Cell(Drawn),
+    Piece(Piece),
+}
+
+impl Across<'_> {
+    #[inline(always)]
+    fn albedo(&self) -> f64 {
+        match self {
+            Across::Column(c) => c.albedo,
+            Across::Ring(r) => r.albedo,
+        }
+    }
+
+    #[inline(always)]
+    fn draw(&self, share: f64) -> Option<Found> {
+        match self {
+            Across::Column(c) => c.draw(share).map(Found::Cell),
+            Across::Ring(r) => r.draw(share).map(Found::Piece),
+        }
+    }
+}
+
+/// What there is to draw from of `source` for light from `w`.
+#[inline(always)]
+fn across(source: Source<'_>, w: [f64; 3]) -> Across<'_> {
+    let at = match (source.tree.rank(), source.reversed) {
+        (Rank::Three, true) => return Across::Ring(source.rings().get(source.tree, w[0].hypot(w[1]))),
+        (Rank::Three, false) => [isotropic_incidence(w[0], w[1]), 0.0],
+        (Rank::Four, false) => square(-w[0], -w[1]).into(),
+        (Rank::Four, true) => square(w[0], w[1]).into(),
+    };
+    Across::Column(source.columns().get(source.tree, at))
+}
+
+/// `integral f cos` of one component for light from `w`.
+pub(crate) fn albedo(source: Source<'_>, w: [f64; 3]) -> f64 {
+    across(source, w).albedo()
 }
 
 /// What was drawn: the direction, its density, and the albedo, which is the weight.
@@ -39,60 +79,54 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The columns of both components for light from `w`.
-    #[inline(always)]
-    fn columns(&self, w: [f64; 3]) -> [Option<(Rank, Held<'a>)>; 2] {
-        let mut out = [None, None];
-        for (slot, source) in out.iter_mut().zip(&self.parts) {
-            let Some(s) = source else { continue };
-            let rank = s.tree.rank();
-            let at = match (rank, s.reversed) {
-                (Rank::Three, _) => [isotropic_incidence(w[0], w[1]), 0.0],
-                (Rank::Four, false) => square(-w[0], -w[1]).into(),
-                (Rank::Four, true) => square(w[0], w[1]).into(),
-            };
-            *slot = Some((rank, s.columns().get(s.tree, at)));
-        }
-        out
-    }
-
     /// Albedo of reflection and transmission together.
     pub(crate) fn albedo(&self, w: [f64; 3]) -> f64 {
-        let columns = self.columns(w);
-        columns.iter().flatten().map(|(_, c)| c.albedo).sum()
+        self.parts.iter().flatten().map(|s| albedo(*s, w)).sum()
     }
 
     /// The cell drawn with `u` in `[0, 1)`: its component, the cell and the albedo of both.
     #[inline(always)]
-    pub(crate) fn cell(&self, w: [f64; 3], u: f64) -> Option<(usize, Drawn, f64)> {
-        let columns = self.columns(w);
-        let albedo = |k: usize| columns[k].as_ref().map_or(0.0, |(_, c)| c.albedo);
+    pub(crate) fn cell(&self, w: [f64; 3], u: f64) -> Option<(usize, Found, f64)> {
+        let parts = self.parts.map(|s| s.map(|s| across(s, w)));
+        let albedo = |k: usize| parts[k].as_ref().map_or(0.0, Across::albedo);
         let (first, total) = (albedo(0), albedo(0) + albedo(1));
         let target = u * total;
         let which = usize::from(target >= first);
-        let column = &columns[which].as_ref()?.1;
-        let share = (target - which as f64 * first) / column.albedo;
-        Some((which, column.draw(share)?, total))
+        let part = parts[which].as_ref()?;
+        let share = (target - which as f64 * first) / part.albedo();
+        Some((which, part.draw(share)?, total))
     }
 
     /// The direction at point `(a, b)` of a cell that [`Sampler::cell`] gave for `w`.
     #[inline(always)]
-    pub(crate) fn point(&self, w: [f64; 3], (which, cell, total): (usize, Drawn, f64), u: [f64; 2]) -> Point {
-        let (a, b) = cell.point(u[0], u[1]);
-        let (x, y) = disk(a, b);
-        let (x, y) = match &self.parts[which] {
-            Some(s) if s.tree.rank() == Rank::Three => {
-                let (c, s) = mirror_azimuth(w[0], w[1]);
-                (c * x - s * y, c * y + s * x)
+    pub(crate) fn point(&self, w: [f64; 3], (which, cell, total): (usize, Found, f64), u: [f64; 2]) -> Point {
+        let ([x, y], value) = match cell {
+            Found::Piece(piece) => {
+                let at = self.parts[which].map_or([0.0; 2], |s| {
+                    let ring = s.rings().get(s.tree, w[0].hypot(w[1]));
+                    ring.point(&piece, u, [w[0], w[1]])
+                });
+                (at, piece.value)
             }
-            Some(s) if s.reversed => (-x, -y),
-            _ => (x, y),
+            Found::Cell(cell) => {
+                let (a, b) = cell.point(u[0], u[1]);
+                let (x, y) = disk(a, b);
+                let at = match &self.parts[which] {
+                    Some(s) if s.tree.rank() == Rank::Three => {
+                        let (c, s) = mirror_azimuth(w[0], w[1]);
+                        [c * x - s * y, c * y + s * x]
+                    }
+                    Some(s) if s.reversed => [-x, -y],
+                    _ => [x, y],
+                };
+                (at, cell.value)
+            }
         };
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
         let sign = COMPONENTS[which].scattered_side(self.side).sign();
         Point {
             direction: [x, y, sign * z],
-            pdf: f64::from(cell.value) * z / total,
+            pdf: f64::from(value) * z / total,
             weight: total,
         }
     }

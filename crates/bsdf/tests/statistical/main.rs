@@ -12,4 +12,5 @@ mod chi_square;
 mod judge;
 mod partition;
 mod registry;
+mod tables;
 mod trial;

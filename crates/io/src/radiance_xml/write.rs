@@ -247,8 +247,7 @@ fn tree(out: &mut dyn Write, t: &Tree) -> io::Result<()> {
                     let n = 1usize << (usize::from(log2_side) * t.rank().dimensions());
                     out.write_all(b"{")?;
                     for v in &t.values()[first as usize..first as usize + n] {
-                        out.write_all(b" ")?;
-                        number(out, *v)?;
+                        write!(out, " {}", Tree::text(*v))?;
                     }
                     out.write_all(b" }\n")?;
                 }
