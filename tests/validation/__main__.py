@@ -22,6 +22,7 @@ PAGES = (
     "samplers",
     "mutants",
     "export",
+    "compact",
     "other-instruments",
     "microfacet",
     "fit-recovery",

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use gonio_bsdf::{Bsdf, BsdfError, Channel, Properties};
+use gonio_bsdf::{Bsdf, BsdfError, Channel, Properties, Sample};
 use gonio_geom::Direction;
 
 /// Several models side by side, each for its own channels, as a measurement of three colours gives three data-driven models.
 ///
-/// It is evaluated; its samples are cosine-weighted (the default of [`Bsdf::sample`]). Ideal parts are left out.
+/// Samples are drawn from each of them as often. Ideal parts are left out.
 pub struct SideBySide {
     models: Vec<Arc<dyn Bsdf>>,
     channels: Vec<Channel>,
@@ -63,6 +63,22 @@ impl Bsdf for SideBySide {
             }
             rest = others;
         }
+    }
+
+    fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
+        let sum: f64 = self.models.iter().map(|m| m.pdf(w, sampled)).sum();
+        sum / self.models.len() as f64
+    }
+
+    /// Drawn from each of them as often.
+    fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
+        let n = self.models.len() as f64;
+        let k = ((u[2] * n) as usize).min(self.models.len() - 1);
+        let rest = (u[2] * n - k as f64).min(1.0 - f64::EPSILON);
+        let drawn = self.models[k].sample(w, [u[0], u[1], rest])?;
+        let pdf = Bsdf::pdf(self, w, drawn.direction);
+        let weight = self.eval_first(w, drawn.direction) * drawn.direction.cos_theta().abs() / pdf;
+        (pdf > 0.0 && weight.is_finite()).then_some(Sample { weight, pdf, ..drawn })
     }
 
     /// Whether all of them rest on data.

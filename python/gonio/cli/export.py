@@ -102,7 +102,8 @@ def export(
             f"  {side} {kind}: differs from the full model by {100 * loss['rel_l1']:.2f} % relative L1 "
             f"(largest {100 * loss['rel_l1_max']:.2f} %), {quantity} by at most {loss['dhr_difference']:+.4f}, "
             f"peak {loss['peak_ratio']:.3f} of the model's where they differ most, "
-            f"reciprocal within {100 * loss['reciprocity']:.1f} % (model {100 * loss['reciprocity_model']:.1f} %)"
+            f"reciprocal within {100 * loss['reciprocity']:.1f} % "
+            f"(model {100 * loss['reciprocity_model']:.1f} %)"
         )
     capped = written.report.get("capped")
     if capped:

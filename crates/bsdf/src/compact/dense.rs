@@ -121,6 +121,10 @@ impl Dense {
 
     /// Places of positions (in nodes, one row an axis), in the table or (`D` of 2) in a slab.
     #[inline(always)]
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "loops over lanes of several arrays, which vectorise as they are"
+    )]
     pub(super) fn places<const D: usize, const N: usize>(&self, positions: &[[f32; N]; 4]) -> Places<N> {
         let mut places = Places {
             node: [0; N],

@@ -20,7 +20,6 @@ pub use write::{write, write_to};
 
 /// A model as the file holds it.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "there is one a file")]
 pub enum Tabulated {
     /// Klems matrices.
     Klems(Klems),
