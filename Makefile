@@ -5,10 +5,10 @@ export UV_PYTHON_DOWNLOADS = never
 UV := $(shell uv --version >/dev/null 2>&1 && echo uv || echo .venv-uv/bin/uv)
 RUN := $(UV) run --no-sync
 
-.PHONY: help setup demo test check fmt bench validate clean
+.PHONY: help setup demo test check fmt bench bench-models validate clean
 
 help: ## list the targets
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
 .venv-uv/bin/uv:
 	$(PYTHON) -m venv .venv-uv
@@ -40,6 +40,9 @@ fmt: setup ## format Rust and Python
 
 bench: setup ## compare with peers and write bench/results.json
 	$(RUN) python -m bench
+
+bench-models: setup ## compare data-driven, reduced and exported models with peers
+	$(RUN) python -m bench models
 
 validate: setup ## regenerate the tables of docs/validation
 	$(RUN) python -m tests.validation

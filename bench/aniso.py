@@ -127,9 +127,7 @@ def figures(name: str) -> tuple[_native.DataDriven, dict[str, Any]]:
         error = errors(sample, found, direction(theta_i, phi_i))
         stated = model.stated_error(theta_i=theta_i, phi_i=phi_i, component=component)
         each.append(error | {"stated": stated["total"], "theta_i": theta_i, "phi_i": phi_i})
-    at_nodes = [
-        errors(sample, found, direction(t, p)) for t, p in sample.incidences()[1::4]
-    ]
+    at_nodes = [errors(sample, found, direction(t, p)) for t, p in sample.incidences()[1::4]]
     ratio = np.array([e["stated"] / e["rel_l1"] for e in each])
     summary = model.summary[0]
     return model, {
@@ -246,7 +244,9 @@ def show(name: str, found: Mapping[str, Any]) -> None:
     for key in ("rel_l1", "rms", "share", "peak", "shift", "through", "measured_rel_l1", "measured_rms"):
         print(f"  {key:16} {found[key][0]:.4f} ({found[key][1]:.4f})")
     low, median, high = found["stated_over_true"]
-    print(f"  stated / true    {median:.2f} ({low:.2f} to {high:.2f}), {found['stated_within_2']:.0%} within 2 x")
+    print(
+        f"  stated / true    {median:.2f} ({low:.2f} to {high:.2f}), {found['stated_within_2']:.0%} within 2 x"
+    )
     for warning in found["warnings"]:
         print(f"  ! {warning}")
 

@@ -45,8 +45,8 @@ class Export:
     `report["loss"]` maps (side, component) to a dict of the comparison with the full model at the incidences
     `LOSS_THETA_I`: rel_l1 (mean) and rel_l1_max of the integral of |df| cos over that of f cos,
     dhr_difference, the directional albedo of the reduced model less that of the full one where they differ
-    most, peak_ratio, the greatest value of the reduced model over that of the full one where they differ most,
-    reciprocity and reciprocity_model, the mean relative difference of f from f with the directions swapped.
+    most, peak_ratio, the greatest value of the reduced model over that of the full one where they differ
+    most, reciprocity and reciprocity_model, the mean relative difference of f from f with the directions swapped.
     NaN where the model does not scatter.
     """
 
