@@ -59,7 +59,7 @@ def run() -> list[dict[str, Any]]:
         size = (folder / "model.xml").stat().st_size
         tree = _native.read_radiance_xml(folder / "model.xml")
         measured = measurement(sample, readings(sample, sample.incidences(), SEED))
-        build, model = seconds(lambda: _native.build(measured, symmetry="quadrilateral"))
+        build, model = seconds(lambda: _native.build(measured, symmetry="anisotropic"))
         path = Path(own) / "ours.xml"
 
         def export() -> None:

@@ -46,7 +46,8 @@ class Export:
     `LOSS_THETA_I`: rel_l1 (mean) and rel_l1_max of the integral of |df| cos over that of f cos,
     dhr_difference, the directional albedo of the reduced model less that of the full one where they differ
     most, peak_ratio, the greatest value of the reduced model over that of the full one where they differ
-    most, reciprocity and reciprocity_model, the mean relative difference of f from f with the directions swapped.
+    most, reciprocity and reciprocity_model, the mean relative difference of f from f with the directions
+    swapped.
     NaN where the model does not scatter.
     """
 
@@ -252,19 +253,29 @@ def _loss(
     phi_i = (0.0,) if model.properties["isotropic"] else (0.0, 45.0, 90.0, 135.0)
     losses: dict[Component, dict[str, float]] = {}
     for side, component in components:
-        where = [
-            {"theta_i": theta if side == "front" else 180.0 - theta, "phi_i": phi, "component": component}
-            for theta in LOSS_THETA_I
-            for phi in phi_i
-        ]
-        at = [_native.reduction_loss(model, reduced, channel=channel, **wi) for wi in where]
         names = [channel or model.channels[0], reduced.channels[0]]
         if channel in reduced.channels:
             names[1] = names[0]
-        swapped = [
-            _native.compare_models(model, reduced, channel_a=names[0], channel_b=names[1], **wi)
-            for wi in where
-        ]
+        at, swapped = [], []
+        for theta in LOSS_THETA_I:
+            theta_i = theta if side == "front" else 180.0 - theta
+            for phi in phi_i:
+                at.append(
+                    _native.reduction_loss(
+                        model, reduced, theta_i=theta_i, phi_i=phi, component=component, channel=channel
+                    )
+                )
+                swapped.append(
+                    _native.compare_models(
+                        model,
+                        reduced,
+                        theta_i=theta_i,
+                        phi_i=phi,
+                        component=component,
+                        channel_a=names[0],
+                        channel_b=names[1],
+                    )
+                )
         rel_l1 = [one["rel_l1"] for one in at if math.isfinite(one["rel_l1"])]
         differences = [one["albedo_reduced"] - one["albedo_model"] for one in at]
         peaks = [one["peak_ratio"] for one in at if one["peak_ratio"] > 0]

@@ -100,7 +100,8 @@ def export(
         quantity = "DHR" if kind == "reflection" else "DHT"
         out.print(
             f"  {side} {kind}: differs from the full model by {100 * loss['rel_l1']:.2f} % relative L1 "
-            f"(largest {100 * loss['rel_l1_max']:.2f} %), {quantity} by at most {loss['dhr_difference']:+.4f}, "
+            f"(largest {100 * loss['rel_l1_max']:.2f} %), "
+            f"{quantity} by at most {loss['dhr_difference']:+.4f}, "
             f"peak {loss['peak_ratio']:.3f} of the model's where they differ most, "
             f"reciprocal within {100 * loss['reciprocity']:.1f} % "
             f"(model {100 * loss['reciprocity_model']:.1f} %)"

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import gonio
+from gonio import _native
+
 from bench._anisotropic import SAMPLES
 from bench._anisotropic import readings as readings_of_sample
 from bench._materials import ISOTROPIC, readings
 from bench.aniso import SEED
 from bench.aniso import measurement as measurement_of_sample
 from bench.models import MEASURED, measurement
-from gonio import _native
-
 from tests.validation.places import SHARED
 
 from . import Skipped, table
