@@ -1,7 +1,8 @@
 """Known anisotropic and transmitting materials in plain numpy, and how an instrument would read them.
 
-Directions are unit vectors; `v` points to the source (z > 0), `w` to the receiver with its z taken positive, so that
-transmission looks like reflection and the through direction takes the mirror direction's place.
+Directions are unit vectors; `v` points to the source (z > 0), `w` to the receiver with its z taken
+positive, so that transmission looks like reflection and the through direction takes the mirror direction's
+place.
 """
 
 from __future__ import annotations
@@ -90,8 +91,8 @@ def fabric(v: Array, w: Array) -> Array:
 
 
 def refracted(ray: Array, normal: Array, eta: float) -> tuple[Array, bool, float]:
-    """The ray behind an interface (`eta` is the index before it over that behind), whether there is one, and the cosine of
-    incidence."""
+    """The ray behind an interface, whether there is one, and the cosine of incidence; `eta` is the index
+    before it over that behind."""
     cosine = -float(ray @ normal)
     k = 1 - eta**2 * (1 - cosine**2)
     out: Array = eta * ray + (eta * cosine - np.sqrt(max(k, 0.0))) * normal
@@ -99,8 +100,8 @@ def refracted(ray: Array, normal: Array, eta: float) -> tuple[Array, bool, float
 
 
 def prismatic(v: Array, w: Array) -> Array:
-    """A film of roof prisms of 20 degrees: two lobes that refraction sends their own ways, and that total reflection
-    switches off."""
+    """A film of roof prisms of 20 degrees: two lobes that refraction sends their own ways, and that total
+    reflection switches off."""
     flat = v.reshape(-1, 3)
     v1 = flat[0]
     inside, _, cosine = refracted(-v1, np.array([0.0, 0.0, 1.0]), 1 / 1.5)
@@ -202,7 +203,7 @@ Readings = tuple[Array, Array, Array]
 def readings(
     sample: Sample, incidences: Sequence[tuple[float, float]], seed: int
 ) -> dict[tuple[float, float], Readings]:
-    """Directions (z > 0), DSF with noise of 1 % and 2e-4/sr, and its standard deviation, for every incidence."""
+    """Directions (z > 0), DSF with noise of 1 % and 2e-4/sr, and its standard deviation, by incidence."""
     out = {}
     for k, (theta_i, phi_i) in enumerate(incidences):
         rng = np.random.default_rng([seed, k])

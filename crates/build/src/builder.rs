@@ -7,7 +7,7 @@ use gonio_scan::Slice;
 use rayon::prelude::*;
 
 use crate::across::{Candidate, Method, Order};
-use crate::base::{Base, Divisor, Fitting, Picked, Recipe, recipes, with_retro};
+use crate::base::{Base, Divisor, Fitting, Picked, bases};
 use crate::choice::{Contest, PEAK_TIE, TIE, best};
 use crate::data_driven::{BuildOptions, PartSummary, PeakSummary};
 use crate::error::BuildError;
@@ -34,16 +34,6 @@ const HELD_WITH_AXES: usize = 1200;
 const FIT_READINGS: usize = 700;
 const FIT_ALL: usize = 8000;
 const LEAST_FIT: usize = 150;
-
-/// Where a base of one lobe comes no closer to the readings of a sample with axes (relative L1), two lobes are tried.
-const ONE_LOBE: f64 = 0.02;
-
-/// How many bases are tried across incidences, and how far behind the best one they may be (ratio of their errors).
-const BASES: usize = 2;
-const BEHIND: f64 = 2.0;
-
-/// A lobe about the incidence is kept when it brings the base closer to the readings by this factor.
-const RETRO_GAIN: f64 = 0.95;
 
 /// A peak that falls by this factor from one incidence to the next is said to, where it had this share of the most it has.
 const STEEP: f64 = 3.0;
@@ -415,77 +405,4 @@ impl Built {
         self.errors.add_peak(narrow.errors);
         self.part.add_peak(narrow.part);
     }
-}
-
-/// The bases to try, best first.
-fn bases(
-    fitting: &Fitting,
-    component: Component,
-    isotropic: bool,
-    without: &[String],
-) -> Result<Vec<(Recipe, Arc<Base>)>, BuildError> {
-    let judged = |base: Base| {
-        let error = fitting.error(&base, |_| true);
-        error.is_finite().then(|| (Arc::new(base), error))
-    };
-    let fitted = |recipe: Recipe| -> Option<Tried> {
-        let (base, error) = judged(fitting.fit(&recipe, None, |_| true)?)?;
-        Some(Tried { recipe, base, error })
-    };
-    let allowed = |r: &Recipe| {
-        let mut names = r.model.parts.iter().map(|p| p.info().name);
-        names.all(|name| !without.iter().any(|w| w == name))
-    };
-    // From a base that lacks the last lobe only, where there is one.
-    let grown = |recipe: Recipe, found: &[Tried]| -> Option<Tried> {
-        let lacks = |t: &&Tried| {
-            let names = |r: &Recipe| -> Vec<&str> { r.model.parts.iter().map(|p| p.info().name).collect() };
-            let (own, other) = (names(&recipe), names(&t.recipe));
-            other.len() + 1 == own.len() && own.starts_with(&other)
-        };
-        let Some(less) = found.iter().find(lacks) else {
-            return fitted(recipe);
-        };
-        let starts = recipe.starts(&less.base.values());
-        let fits = starts
-            .par_iter()
-            .filter_map(|s| judged(fitting.fit(&recipe, Some(s), |_| true)?));
-        let (base, error) = fits.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some(Tried { recipe, base, error })
-    };
-    let first: Vec<Recipe> = recipes(component, isotropic, false)?;
-    let mut found: Vec<Tried> = first.into_par_iter().filter(allowed).filter_map(fitted).collect();
-    found.sort_by(|a, b| a.error.total_cmp(&b.error));
-    if !isotropic && found.first().is_none_or(|f| f.error > ONE_LOBE) {
-        let more: Vec<Recipe> = recipes(component, isotropic, true)?;
-        let more: Vec<Tried> = more
-            .into_par_iter()
-            .filter(allowed)
-            .filter_map(|r| grown(r, &found))
-            .collect();
-        found.extend(more);
-        found.sort_by(|a, b| a.error.total_cmp(&b.error));
-    }
-    if component == Component::Reflection
-        && let Some(first) = found.first()
-    {
-        let kinds = with_retro(&first.recipe).into_par_iter();
-        let retro = kinds
-            .filter_map(|r| if isotropic { fitted(r) } else { grown(r, &found) })
-            .min_by(|a, b| a.error.total_cmp(&b.error));
-        if let Some(retro) = retro.filter(|r| r.error < RETRO_GAIN * first.error) {
-            found.insert(0, retro);
-        }
-    }
-    let most = found.first().map_or(0.0, |f| BEHIND * f.error);
-    found.retain(|f| f.error <= most);
-    found.truncate(BASES);
-    Ok(found.into_iter().map(|t| (t.recipe, t.base)).collect())
-}
-
-/// A base that was fitted.
-struct Tried {
-    recipe: Recipe,
-    base: Arc<Base>,
-    error: f64,
 }

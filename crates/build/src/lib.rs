@@ -25,6 +25,7 @@ mod sampling;
 mod smoothing;
 mod stated;
 mod table;
+mod triangulated;
 mod uncertainty;
 mod unknowable;
 mod weights;

@@ -182,7 +182,7 @@ fn gap(layout: &Layout, i: DVec3, power: f64) -> f64 {
     if layout.placed().is_empty() || power == LINEAR {
         return gap;
     }
-    gap / i.z.max(LEAST_COSINE).powf(2.0 * power)
+    gap / i.z.max(LEAST_COSINE).powf(power)
 }
 
 fn gap_of(spread: f64, power: f64) -> f64 {

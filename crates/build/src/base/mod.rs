@@ -7,6 +7,7 @@ mod drawing;
 mod fitting;
 mod recipes;
 mod retro;
+mod search;
 
 use std::fmt;
 
@@ -16,7 +17,8 @@ use gonio_geom::{Component, DVec3, Direction};
 
 pub(crate) use divisor::Divisor;
 pub(crate) use fitting::{Fitting, Picked};
-pub(crate) use recipes::{Recipe, recipes, with_retro};
+pub(crate) use recipes::Recipe;
+pub(crate) use search::bases;
 
 /// How a part of a base moves with the incidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,9 +6,10 @@ use gonio_geom::DVec3;
 
 use super::Lobe;
 use crate::images::Image;
-use crate::layout::{Neighbour, Placed};
+use crate::layout::Neighbour;
 use crate::linear::solve;
 use crate::node::Node;
+use crate::triangulated::Placed;
 use crate::weights::to_incidence_plane;
 
 /// Coefficients of a cubic of two variables.
