@@ -1,9 +1,10 @@
 """A data-driven model of an anisotropic material as a tensor tree of rank 4: gonio against bsdf2ttree.
 
 The elliptic Ward lobe of `bench.aniso`, 26 incidences of 19,000 readings. RADIANCE: pabopto2bsdf, then
-bsdf2ttree -g 5, once (minutes). gonio: build and reduction to as many bytes as that file has. CPU seconds of
-model to file; those of files to model are in the record, as are the errors, mean and worst over the incidences that
-`bench.aniso` holds out: relative L1 and root mean square of the DSF over solid angle.
+bsdf2ttree -g 5, once (minutes). gonio: build and reduction to as many bytes as that file has. CPU
+seconds of model to file; those of files to model are in the record, as are the errors, mean and worst
+over the incidences that `bench.aniso` holds out: relative L1 and root mean square of the DSF over solid
+angle.
 
 A folder named by `GONIO_PEER_TREE` keeps RADIANCE's model.sir, model.xml and cpu.json between runs.
 """

@@ -1,10 +1,10 @@
 """The error of tensor trees of one size: gonio's against bsdf2ttree's of the same readings.
 
 The isotropic materials and readings of `bench.models`. RADIANCE makes its tree with `pabopto2bsdf` and
-`bsdf2ttree -g 6`, gonio builds its model and reduces it to as many bytes as that XML file has. Errors are relative L1
-of the DSF against the material itself, mean over 15, 25 to 75 degrees (held out) and 20, 30 to 70 degrees (measured);
-the ratio is of the geometric means over the six materials with lobes about the mirror direction. The same with `-g 5`
-and `-g 7` for two of them is in the record.
+`bsdf2ttree -g 6`, gonio builds its model and reduces it to as many bytes as that XML file has. Errors
+are relative L1 of the DSF against the material itself, mean over 15, 25 to 75 degrees (held out) and 20,
+30 to 70 degrees (measured); the ratio is of the geometric means over the six materials with lobes about
+the mirror direction. The same with `-g 5` and `-g 7` for two of them is in the record.
 """
 
 from __future__ import annotations

@@ -91,8 +91,8 @@ fn samples_of_data_driven_models_follow_their_density() {
             let label = format!("{name} at {theta} degrees");
             let w = Direction::from_degrees(*theta, 20.0);
             let t = run(*model, |w, u| model.sample(w, u), w, &label, SAMPLES);
-            // Quadrature over the edges of the proposal's cells is good to some 1e-4.
-            let whole = (t.mass - 1.0).abs() < 5e-4;
+            // A facet may send light below the surface: that sample fails.
+            let whole = (t.mass - 1.0).abs() < 5e-4 || (t.mass < 1.0 && t.p_accepted > least);
             let mean = (t.mean - t.albedo).abs() < 4.0 * t.standard_error + 5e-3 * t.albedo;
             // Weights would spread by far more than their mean, were samples drawn by the cosine.
             let spread = t.standard_error * (SAMPLES as f64).sqrt() / t.mean;

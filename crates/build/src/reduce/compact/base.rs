@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use gonio_bsdf::BsdfError;
 
 use super::source::{Pair, Source};
+use crate::base::Recipe;
 
 /// Least diffuse part, as a share of the largest albedo seen: the ratio must stay bounded where no lobe is.
 const LEAST_DIFFUSE: f64 = 0.02;
@@ -20,6 +21,35 @@ const LOBE_COST: f64 = 0.2;
 const LEAST_LOBE: f64 = 1e-6;
 /// Width of the half vector that stands for a model without a lobe.
 const BROAD: f64 = 0.5;
+
+/// Relative L1 misfit of one lobe with axes above which two are tried.
+const CROSSED_ABOVE: f64 = 0.05;
+
+/// A base that was fitted.
+struct Attempt {
+    score: f64,
+    misfit: f64,
+    base: Base,
+    /// One list of parameters a channel.
+    q: Vec<Vec<f64>>,
+}
+
+/// Where to look for the parameters of the sum `name` when those without its last lobe are `known`: lists of one list a
+/// channel.
+fn second_lobe(name: &str, known: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+    let Ok(model) = fit_model(name) else {
+        return Vec::new();
+    };
+    let recipe = Recipe {
+        model,
+        moves: Vec::new(),
+    };
+    let each: Vec<Vec<Vec<f64>>> = known.iter().map(|q| recipe.starts(q)).collect();
+    let n = each.iter().map(Vec::len).min().unwrap_or(0);
+    (0..n)
+        .map(|k| each.iter().map(|starts| starts[k].clone()).collect())
+        .collect()
+}
 
 /// Lobes with the widths of their half vectors.
 pub(super) struct Base {
@@ -38,9 +68,12 @@ impl Base {
     pub(super) fn fitted(source: &Source<'_>) -> Result<Self, BsdfError> {
         let isotropic = source.view.properties().isotropic;
         let names: &[&str] = match (source.component, isotropic) {
-            (Component::Reflection, true) => {
-                &["lambert+ggx", "lambert+ward-gmd", "lambert+ward-gmd+ward-gmd"]
-            }
+            (Component::Reflection, true) => &[
+                "lambert+ggx",
+                "lambert+ward-gmd",
+                "lambert+ward-gmd+ward-gmd",
+                "lambert+ggx+ggx",
+            ],
             (Component::Reflection, false) => &["lambert+ggx-anisotropic", "lambert+ward-gmd-anisotropic"],
             (Component::Transmission, true) => &["lambert-transmission+bounded-transmission-lobe"],
             (Component::Transmission, false) => &[
@@ -97,25 +130,41 @@ impl Base {
             start_readings: 1000,
             ..FitOptions::default()
         };
-        let fitted: Vec<Base> = names
-            .par_iter()
-            .filter_map(|name| {
-                let model = fit_model(name).ok()?;
-                let found = fit(&measured, &model, &options).ok()?;
-                let q: Vec<Vec<f64>> = found.parameters().into_iter().map(|p| p.1).collect();
-                Base::of(source, &model, &q, floor).ok()
-            })
-            .collect();
         let probes = probes();
-        let best = fitted
-            .into_iter()
-            .map(|base| {
-                let cost = 1.0 + LOBE_COST * base.lobes.len() as f64;
-                (cost * base.misfit(source, &probes), base)
+        let attempt = |name: &str, start: Option<Vec<Vec<f64>>>| {
+            let model = fit_model(name).ok()?;
+            let options = FitOptions {
+                start,
+                ..options.clone()
+            };
+            let found = fit(&measured, &model, &options).ok()?;
+            let q: Vec<Vec<f64>> = found.parameters().into_iter().map(|p| p.1).collect();
+            let base = Base::of(source, &model, &q, floor).ok()?;
+            let misfit = base.misfit(source, &probes);
+            let cost = 1.0 + LOBE_COST * base.lobes.len() as f64;
+            Some(Attempt {
+                score: cost * misfit,
+                misfit,
+                base,
+                q,
             })
-            .min_by(|a, b| a.0.total_cmp(&b.0));
+        };
+        let least = |a: &Attempt, b: &Attempt| a.score.total_cmp(&b.score);
+        let one: Vec<Attempt> = names.par_iter().filter_map(|name| attempt(name, None)).collect();
+        let mut best = one.into_iter().min_by(least);
+        if let Some(one) = best.as_ref().filter(|b| !isotropic && b.misfit > CROSSED_ABOVE)
+            && let Some(lobe) = one.base.lobes.last()
+        {
+            // A second lobe with axes of its own, from many places about the first.
+            let name = format!("{diffuse}+{0}+{0}", lobe.model);
+            let two: Vec<Attempt> = second_lobe(&name, &one.q)
+                .into_par_iter()
+                .filter_map(|start| attempt(&name, Some(start)))
+                .collect();
+            best = best.into_iter().chain(two).min_by(least);
+        }
         match best {
-            Some((_, base)) => Ok(base),
+            Some(found) => Ok(found.base),
             None => Base::alone(source, diffuse, albedo.clamp(floor, 1.0)),
         }
     }
