@@ -5,7 +5,7 @@ use multiversion::multiversion;
 
 use super::mapping::{fixed, isotropic_incidence, mirror_azimuth, square};
 use super::ring::INWARD;
-use super::sample::Sampler;
+use super::sample::{Point, Sampler};
 use super::{Rank, Source, TensorTree};
 use crate::batch::{Directions, Number, SampleColumns};
 
@@ -160,6 +160,23 @@ pub(crate) fn sample<T: Number>(
     out: &mut SampleColumns<'_, T>,
 ) {
     let samplers = Side::BOTH.map(|side| Sampler::new(model, side));
+    if samplers.iter().all(Sampler::only_columns) {
+        sample_blocks(&samplers, w, u, out, Sampler::column_cell, Sampler::column_point);
+    } else {
+        sample_blocks(&samplers, w, u, out, Sampler::cell, Sampler::point);
+    }
+}
+
+/// First the cells of a block, then the points in them: the cells' memory is asked for early.
+#[inline(always)]
+fn sample_blocks<'a, T: Number, C: Copy>(
+    samplers: &[Sampler<'a>; 2],
+    w: Directions<'_, T>,
+    u: [&[T]; 3],
+    out: &mut SampleColumns<'_, T>,
+    cell: impl Fn(&Sampler<'a>, [f64; 3], f64) -> Option<C>,
+    point: impl Fn(&Sampler<'a>, [f64; 3], C, [f64; 2]) -> Point,
+) {
     // Rounding u up to 1 is not for a sampler to see.
     let uniform = |k: usize, j: usize| Into::<f64>::into(u[k][j]).clamp(0.0, 1.0 - f64::EPSILON);
     let mut drawn = Vec::with_capacity(BLOCK);
@@ -168,16 +185,16 @@ pub(crate) fn sample<T: Number>(
         drawn.clear();
         drawn.extend((start..end).map(|j| {
             let w: [f64; 3] = w.at(j).map(Into::into);
-            samplers[usize::from(w[2] < 0.0)].cell(w, uniform(2, j))
+            cell(&samplers[usize::from(w[2] < 0.0)], w, uniform(2, j))
         }));
         for (j, cell) in (start..end).zip(&drawn) {
             let w: [f64; 3] = w.at(j).map(Into::into);
             let sampler = &samplers[usize::from(w[2] < 0.0)];
-            let point = cell
-                .map(|cell| sampler.point(w, cell, [uniform(0, j), uniform(1, j)]))
+            let found = cell
+                .map(|cell| point(sampler, w, cell, [uniform(0, j), uniform(1, j)]))
                 .filter(|p| p.pdf > 0.0);
             let (direction, weight, pdf) =
-                point.map_or(([f64::NAN; 3], 0.0, 0.0), |p| (p.direction, p.weight, p.pdf));
+                found.map_or(([f64::NAN; 3], 0.0, 0.0), |p| (p.direction, p.weight, p.pdf));
             for (column, v) in out.direction.iter_mut().zip(direction) {
                 column[j] = T::rounded(v);
             }

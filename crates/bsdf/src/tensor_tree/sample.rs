@@ -47,16 +47,22 @@ impl Across<'_> {
     }
 }
 
-/// What there is to draw from of `source` for light from `w`.
+/// Coordinates of the direction `w` that is known, in the columns of `source`.
 #[inline(always)]
-fn across(source: Source<'_>, w: [f64; 3]) -> Across<'_> {
-    let at = match (source.tree.rank(), source.reversed) {
-        (Rank::Three, true) => return Across::Ring(source.rings().get(source.tree, w[0].hypot(w[1]))),
-        (Rank::Three, false) => [isotropic_incidence(w[0], w[1]), 0.0],
+fn fixed_coordinates(source: Source<'_>, w: [f64; 3]) -> [f64; 2] {
+    match (source.tree.rank(), source.reversed) {
+        (Rank::Three, _) => [isotropic_incidence(w[0], w[1]), 0.0],
         (Rank::Four, false) => square(-w[0], -w[1]).into(),
         (Rank::Four, true) => square(w[0], w[1]).into(),
-    };
-    Across::Column(source.columns().get(source.tree, at))
+    }
+}
+
+/// What there is to draw from of `source` for light from `w`.
+fn across(source: Source<'_>, w: [f64; 3]) -> Across<'_> {
+    if source.reversed && source.tree.rank() == Rank::Three {
+        return Across::Ring(source.rings().get(source.tree, w[0].hypot(w[1])));
+    }
+    Across::Column(source.columns().get(source.tree, fixed_coordinates(source, w)))
 }
 
 /// `integral f cos` of one component for light from `w`.
@@ -84,8 +90,28 @@ impl<'a> Sampler<'a> {
         self.parts.iter().flatten().map(|s| albedo(*s, w)).sum()
     }
 
-    /// The cell drawn with `u` in `[0, 1)`: its component, the cell and the albedo of both.
+    /// Whether no component is a tree of rank 3 in reverse: then [`Sampler::column_cell`] and [`Sampler::column_point`] do, which
+    /// are faster.
+    pub(crate) fn only_columns(&self) -> bool {
+        let ring = |s: &Source<'_>| s.reversed && s.tree.rank() == Rank::Three;
+        !self.parts.iter().flatten().any(ring)
+    }
+
+    /// The cell drawn with `u` in `[0, 1)`, of columns: its component, the cell and the albedo of both.
     #[inline(always)]
+    pub(crate) fn column_cell(&self, w: [f64; 3], u: f64) -> Option<(usize, Drawn, f64)> {
+        let column = |k: usize| self.parts[k].map(|s| s.columns().get(s.tree, fixed_coordinates(s, w)));
+        let columns = [column(0), column(1)];
+        let albedo = |k: usize| columns[k].as_ref().map_or(0.0, |c| c.albedo);
+        let (first, total) = (albedo(0), albedo(0) + albedo(1));
+        let target = u * total;
+        let which = usize::from(target >= first);
+        let column = columns[which].as_ref()?;
+        let share = (target - which as f64 * first) / column.albedo;
+        Some((which, column.draw(share)?, total))
+    }
+
+    /// The cell drawn with `u` in `[0, 1)`: its component, the cell and the albedo of both.
     pub(crate) fn cell(&self, w: [f64; 3], u: f64) -> Option<(usize, Found, f64)> {
         let parts = self.parts.map(|s| s.map(|s| across(s, w)));
         let albedo = |k: usize| parts[k].as_ref().map_or(0.0, Across::albedo);
@@ -98,30 +124,42 @@ impl<'a> Sampler<'a> {
     }
 
     /// The direction at point `(a, b)` of a cell that [`Sampler::cell`] gave for `w`.
-    #[inline(always)]
     pub(crate) fn point(&self, w: [f64; 3], (which, cell, total): (usize, Found, f64), u: [f64; 2]) -> Point {
-        let ([x, y], value) = match cell {
+        match cell {
+            Found::Cell(cell) => self.column_point(w, (which, cell, total), u),
             Found::Piece(piece) => {
                 let at = self.parts[which].map_or([0.0; 2], |s| {
                     let ring = s.rings().get(s.tree, w[0].hypot(w[1]));
                     ring.point(&piece, u, [w[0], w[1]])
                 });
-                (at, piece.value)
+                self.found(at, piece.value, which, total)
             }
-            Found::Cell(cell) => {
-                let (a, b) = cell.point(u[0], u[1]);
-                let (x, y) = disk(a, b);
-                let at = match &self.parts[which] {
-                    Some(s) if s.tree.rank() == Rank::Three => {
-                        let (c, s) = mirror_azimuth(w[0], w[1]);
-                        [c * x - s * y, c * y + s * x]
-                    }
-                    Some(s) if s.reversed => [-x, -y],
-                    _ => [x, y],
-                };
-                (at, cell.value)
+        }
+    }
+
+    /// The same for a cell of [`Sampler::column_cell`].
+    #[inline(always)]
+    pub(crate) fn column_point(
+        &self,
+        w: [f64; 3],
+        (which, cell, total): (usize, Drawn, f64),
+        u: [f64; 2],
+    ) -> Point {
+        let (a, b) = cell.point(u[0], u[1]);
+        let (x, y) = disk(a, b);
+        let at = match &self.parts[which] {
+            Some(s) if s.tree.rank() == Rank::Three => {
+                let (c, s) = mirror_azimuth(w[0], w[1]);
+                [c * x - s * y, c * y + s * x]
             }
+            Some(s) if s.reversed => [-x, -y],
+            _ => [x, y],
         };
+        self.found(at, cell.value, which, total)
+    }
+
+    #[inline(always)]
+    fn found(&self, [x, y]: [f64; 2], value: f32, which: usize, total: f64) -> Point {
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
         let sign = COMPONENTS[which].scattered_side(self.side).sign();
         Point {

@@ -68,12 +68,9 @@ impl Base {
     pub(super) fn fitted(source: &Source<'_>) -> Result<Self, BsdfError> {
         let isotropic = source.view.properties().isotropic;
         let names: &[&str] = match (source.component, isotropic) {
-            (Component::Reflection, true) => &[
-                "lambert+ggx",
-                "lambert+ward-gmd",
-                "lambert+ward-gmd+ward-gmd",
-                "lambert+ggx+ggx",
-            ],
+            (Component::Reflection, true) => {
+                &["lambert+ggx", "lambert+ward-gmd", "lambert+ward-gmd+ward-gmd"]
+            }
             (Component::Reflection, false) => &["lambert+ggx-anisotropic", "lambert+ward-gmd-anisotropic"],
             (Component::Transmission, true) => &["lambert-transmission+bounded-transmission-lobe"],
             (Component::Transmission, false) => &[
