@@ -84,8 +84,8 @@ def export(
 
     The Radiance formats, rgl-bsdf, merl and zemax-bsdf hold a model: of a measurement the data-driven one
     that `gonio.build` makes, which takes at least two incidences. The others hold the readings. Light that
-    leaves unscattered goes to its own patches in radiance-klems; elsewhere it stays in the BSDF of a
-    measurement as the instrument saw it.
+    leaves unscattered goes to its own patches in radiance-klems, to the finest cells in radiance-ttree;
+    elsewhere it stays in the BSDF of a measurement as the instrument saw it.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def export(
                 smooth=smooth,
                 candidate=candidate,
                 # Other formats have no word for light without spread: its peak stays as wide as read.
-                direct=to == "radiance-klems",
+                direct=to in RADIANCE_FORMATS,
                 progress=progress,
             )
         )
@@ -206,8 +206,8 @@ def export(
         notes = list(model.warnings) if isinstance(model, _native.DataDriven) else []
         if model.has_delta:
             notes.append(
-                "the patches in the mirror and through directions hold light that leaves unscattered: name "
-                "the file in an aBSDF material and Radiance shows what is behind it sharp"
+                "patches or cells in the mirror and through directions hold light that leaves unscattered: "
+                "name the file in an aBSDF material and Radiance shows what is behind it sharp"
             )
         if not as_visible and (label := reduced.channels[0]) != "photopic":
             notes.append(

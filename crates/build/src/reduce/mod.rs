@@ -7,6 +7,7 @@ mod compact;
 mod comparison;
 mod klems;
 mod loss;
+mod spread;
 mod tensor_tree;
 
 use gonio_bsdf::{Bsdf, BsdfError, Channel, FourComponents};

@@ -7,6 +7,7 @@ use gonio_bsdf::{Bsdf, BsdfError, FourComponents};
 use gonio_geom::{Component, Side};
 
 use super::OneChannel;
+use super::spread::Spread;
 use growth::Growth;
 
 /// How to reduce a model to tensor trees.
@@ -64,14 +65,17 @@ pub struct TreeReduction {
 /// values are rounded to two to five significant digits, a twentieth of what the cell itself smooths away.
 ///
 /// Cells about the mirror, unbent and retro directions are always looked into; a feature elsewhere that is narrower than
-/// about 1/16 in direction cosine can be missed.
+/// about 1/16 in direction cosine can be missed. An ideal part ([`Bsdf::delta`]) is given the width of the finest cells:
+/// RADIANCE's `aBSDF` finds its peak and passes that light unscattered.
 ///
 /// # Errors
 /// [`BsdfError::Domain`] for a channel the model does not have, no component that scatters, rank 3 for a model that is
-/// not isotropic, an ideal part ([`Bsdf::delta`]), or a depth, target or number of cells out of range.
+/// not isotropic, or a depth, target or number of cells out of range.
 pub fn to_tensor_tree(model: &dyn Bsdf, options: &TreeOptions) -> Result<TreeReduction, BsdfError> {
-    let one = OneChannel::new(model, options.channel)?;
     let rank = check(model, options)?;
+    let spread = Spread::new(model, 0.5f64.powi(options.max_depth.into()));
+    let model: &dyn Bsdf = if model.has_delta() { &spread } else { model };
+    let one = OneChannel::new(model, options.channel)?;
     let components = one.components(options.components.as_deref())?;
     let mut trees = FourComponents::default();
     let mut error = FourComponents::default();
