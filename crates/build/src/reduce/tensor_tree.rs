@@ -73,7 +73,7 @@ pub struct TreeReduction {
 /// not isotropic, or a depth, target or number of cells out of range.
 pub fn to_tensor_tree(model: &dyn Bsdf, options: &TreeOptions) -> Result<TreeReduction, BsdfError> {
     let rank = check(model, options)?;
-    let spread = Spread::new(model, 0.5f64.powi(options.max_depth.into()));
+    let spread = Spread::new(model, 1.4 * 0.5f64.powi(options.max_depth.into()));
     let model: &dyn Bsdf = if model.has_delta() { &spread } else { model };
     let one = OneChannel::new(model, options.channel)?;
     let components = one.components(options.components.as_deref())?;
