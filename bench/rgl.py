@@ -43,8 +43,8 @@ def truth(name: str) -> Any:
     green = list(model.channels).index("green")
 
     def values(v: Array, w: Array) -> Array:
-        f = model.eval_directions(wi=np.ascontiguousarray(v[0]), ws=w).reshape(w.shape[0], -1)
-        out: Array = np.maximum(f[:, green], 0.0)
+        f = model.eval_directions(wi=np.ascontiguousarray(v[0]), ws=w)[green]
+        out: Array = np.maximum(f, 0.0)
         return out
 
     return values
@@ -71,6 +71,11 @@ def quadrature(theta_i: float) -> tuple[Array, Array]:
     return w[up], weight[up]
 
 
+def measured(material: Any) -> _native.MeasurementData:
+    """The readings of a material at the eight incidences."""
+    return measurement({t: readings(material, t, 20261122) for t in MEASURED})
+
+
 def rel_l1(material: Any, found: Eval, theta_i: float) -> float:
     """Relative L1 difference of `found` from the material at one incidence."""
     w, weight = quadrature(theta_i)
@@ -93,8 +98,8 @@ def run() -> list[dict[str, Any]]:
     for name in MATERIALS:
         material = truth(name)
         data = {t: readings(material, t, 20261122) for t in MEASURED}
-        measured = measurement(data)
-        spent, model = seconds(lambda m=measured: _native.build(m, symmetry="isotropic"))
+        scan = measurement(data)
+        spent, model = seconds(lambda m=scan: _native.build(m, symmetry="isotropic"))
         ours[name] = errors(material, of_model(model)) | {"cpu": spent}
         ours[name]["stated"] = [
             model.stated_error(theta_i=t, phi_i=180.0, component="reflection")["total"]

@@ -17,6 +17,7 @@ from .places import ROOT
 PAGES = (
     "weights",
     "nist-ptfe",
+    "data-driven",
     "radiance-xml",
     "radiance-materials",
     "samplers",

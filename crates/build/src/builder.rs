@@ -7,7 +7,7 @@ use gonio_scan::Slice;
 use rayon::prelude::*;
 
 use crate::across::{Candidate, Method, Order};
-use crate::base::{Base, Divisor, Fitting, Picked, bases};
+use crate::base::{Base, Divisor, Fitting, Picked, bases, orders};
 use crate::choice::{Contest, PEAK_TIE, TIE, best};
 use crate::data_driven::{BuildOptions, PartSummary, PeakSummary};
 use crate::error::BuildError;
@@ -22,7 +22,7 @@ use crate::pile::{OWN_LOBES, Pile, local_incidence, piles};
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
 use crate::stated::PartErrors;
-use crate::symmetry::{self, mirror_symmetric};
+use crate::symmetry::{self, mirror_symmetric, polar};
 use crate::unknowable;
 
 /// Readings of an incidence that predictions of it are compared with; with axes, where there are more incidences, and those
@@ -168,6 +168,11 @@ impl Job<'_> {
             Fitting::new(component, directions.to_vec(), readings.collect(), spacing)
         };
         let bases = bases(&fitting, component, isotropic, &options.without)?;
+        let orders = if share == Share::All && isotropic && component == Component::Reflection {
+            orders(&fitting, &bases)
+        } else {
+            Vec::new()
+        };
         let first = bases.first().map(|(_, base)| Arc::clone(base));
         let base = first.as_ref();
 
@@ -264,7 +269,7 @@ impl Job<'_> {
             Share::All => vec![1.0; all.len()],
             Share::Peak(_) => light.clone(),
         };
-        let contest = Contest::new(&all, symmetry, component, Some(&fitting), bases, &units);
+        let contest = Contest::new(&all, symmetry, component, Some(&fitting), bases, &orders, &units);
         let list: Vec<Candidate> = options
             .candidate
             .map_or(Candidate::ALL.to_vec(), |c| vec![c])
@@ -310,6 +315,7 @@ impl Job<'_> {
             &contest.folds,
             (&units, light, share != Share::All),
             (&chosen.errors, beyond.as_ref().map_or(&[], |t| &t.errors)),
+            &contest.wider(chosen),
         );
         let nodes: Vec<Arc<Node>> = if plain && base.is_some() {
             all.iter().map(|h| Arc::new(h.node.with_bsdf())).collect()
@@ -342,6 +348,11 @@ impl Job<'_> {
         if share == Share::All {
             let label = format!("{side} {component}");
             notes.extend(unknowable::notes(&label, &all, &slice_errors, &part));
+            if let Some(last) = all.last()
+                && isotropic
+            {
+                notes.extend(unknowable::last_gap(&label, &loo, polar(last.node.incidence)));
+            }
         }
         Ok(Built {
             part,

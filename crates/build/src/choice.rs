@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gonio_geom::Component;
 use rayon::prelude::*;
 
-use crate::across::{Candidate, Method, Order};
+use crate::across::{Candidate, Frame, Method, Order};
 use crate::base::{Base, Fitting, Recipe};
 use crate::images::Symmetry;
 use crate::incidence::Rule;
@@ -18,12 +18,16 @@ const WORST: f64 = 1.5;
 
 /// Candidates whose mean errors lie closer than this ratio are tied; the first in order is taken.
 pub(crate) const TIE: f64 = 1.01;
+
+/// The same where one incidence only could be left out: the order of candidates there says little of another incidence.
+const TIE_OF_ONE: f64 = 1.2;
+
 /// The same for a narrow peak: its amplitude falls over decades, which ratios to a base follow better than incidences left out
 /// can tell.
 pub(crate) const PEAK_TIE: f64 = 1.1;
 
 /// Share of the error of a choice without a base that one with a base must stay below to take over past the data.
-const CLEARLY: f64 = 0.5;
+const CLEARLY: f64 = 1.0 / 3.0;
 /// Exchange of source and receiver is used where it lowers the error by this factor.
 const GAIN: f64 = 0.95;
 
@@ -83,17 +87,27 @@ impl Tried {
 }
 
 impl<'a> Contest<'a> {
-    /// Fits the bases in every fold.
+    /// Fits the bases in every fold, and expansions of the given orders.
     pub(crate) fn new(
         all: &'a [Held],
         symmetry: Symmetry,
         component: Component,
         fitting: Option<&Fitting>,
         bases: Vec<(Recipe, Arc<Base>)>,
+        orders: &[usize],
         units: &'a [f64],
     ) -> Self {
         let folds = folds(all, symmetry);
-        let bases = bases
+        let expansions = orders.iter().filter_map(|&order| {
+            let fitting = fitting?;
+            let kept = |fold: &Fold| fitting.expansion(order, |k| fold.kept.contains(&k)).map(Arc::new);
+            Some(Fitted {
+                whole: Arc::new(fitting.expansion(order, |_| true)?),
+                folds: folds.iter().map(kept).collect(),
+            })
+        });
+        let expansions: Vec<Fitted> = expansions.collect();
+        let mut bases: Vec<Fitted> = bases
             .into_iter()
             .map(|(recipe, whole)| Fitted {
                 whole: Arc::clone(&whole),
@@ -108,6 +122,7 @@ impl<'a> Contest<'a> {
                     .collect(),
             })
             .collect();
+        bases.extend(expansions);
         Contest {
             all,
             symmetry,
@@ -172,7 +187,9 @@ impl<'a> Contest<'a> {
                 }
             }
             let bases: Vec<Option<usize>> = if candidate.method.needs_base() {
-                (0..self.bases.len()).map(Some).collect()
+                let still = candidate.method == Method::Ratio(Frame::Still) && !beyond;
+                let able = |b: &usize| still || !self.bases[*b].whole.is_expansion();
+                (0..self.bases.len()).filter(able).map(Some).collect()
             } else {
                 vec![None]
             };
@@ -203,6 +220,35 @@ impl<'a> Contest<'a> {
         tried
     }
 
+    /// Errors of what was tried in gaps twice as wide: the neighbours of each incidence left out are left out too. For
+    /// isotropic samples; empty where there are too few incidences.
+    pub(crate) fn wider(&self, tried: &Tried) -> Vec<(Fold, LooError)> {
+        let last = self.all.len().saturating_sub(1);
+        let inner = |f: &Fold| !f.beyond && f.left_out >= 2 && f.left_out + 2 <= last;
+        let folds = self.folds.iter().enumerate().filter(|(_, f)| inner(f));
+        folds
+            .filter(|_| self.symmetry.is_isotropic())
+            .filter_map(|(n, fold)| {
+                let base = match tried.base {
+                    Some(b) => Some(self.bases[b].folds[n].as_ref()?),
+                    None => None,
+                };
+                let mut wide = fold.clone();
+                wide.kept.retain(|k| k.abs_diff(fold.left_out) > 1);
+                let found = error(
+                    self.all,
+                    &wide,
+                    self.symmetry,
+                    self.component,
+                    tried.candidate,
+                    base,
+                    false,
+                );
+                Some((wide, found))
+            })
+            .collect()
+    }
+
     /// The rule of what was tried.
     pub(crate) fn rule(&self, tried: &Tried) -> Rule {
         Rule {
@@ -224,13 +270,17 @@ impl<'a> Contest<'a> {
     /// The rule past the measured incidences: the best of `list`, with source and receiver exchanged where the slices
     /// agree under exchange and the error at the edge is less so. `None` when no incidence can be left out there.
     ///
-    /// Where `within`, the choice between incidences, needs no base, the sample has no lobes to speak of, and the two
-    /// incidences at the edge say little of what comes after them: a base has to halve the error there to take over.
+    /// Where `within`, the choice between incidences, needs no base or an expansion, the sample has no lobes to speak of, and the two
+    /// incidences at the edge say little of what comes after them: a base has to leave a third of the error there to take over.
     pub(crate) fn beyond(&self, list: &[Candidate], within: Option<&Tried>) -> Option<Tried> {
         let mut tried = self.run(list, None, true);
         let mut first = best(&tried, TIE);
-        let same = within.filter(|w| w.base.is_none()).and_then(|w| {
-            let method = w.candidate.method;
+        let same = within.and_then(|w| {
+            let method = match w.base {
+                None => w.candidate.method,
+                Some(b) if self.bases[b].whole.is_expansion() => Method::Plain(Frame::Still),
+                Some(_) => return None,
+            };
             tried
                 .iter()
                 .position(|t| t.candidate.method == method && t.base.is_none() && !t.errors.is_empty())
@@ -273,6 +323,10 @@ pub(crate) fn best(tried: &[Tried], tie: f64) -> usize {
         .iter()
         .map(|&k| tried[k].mean())
         .fold(f64::INFINITY, f64::min);
+    let tie = match allowed.first() {
+        Some(&k) if tried[k].errors.len() == 1 => TIE_OF_ONE.max(tie),
+        _ => tie,
+    };
     // Linear ones first, then in the order of the list.
     let rank = |k: &usize| {
         let Candidate { method, order } = tried[*k].candidate;

@@ -25,7 +25,7 @@ const LEAST: usize = 50;
 const SEARCHED: usize = 4000;
 
 /// A base that is off by less than this share of the lobe's light describes it, and better than ellipses do.
-const MISSED: f64 = 0.5;
+const MISSED: f64 = 0.55;
 
 /// The fall-off is used where it leaves at most this share of the base's distance from the readings.
 const GAIN: f64 = 0.6;

@@ -105,7 +105,8 @@ struct One {
 impl One {
     fn new(base: Option<Arc<Base>>, isotropic: bool, eval: impl Fn(DVec3, DVec3) -> f64 + Sync) -> Self {
         One {
-            base,
+            // An expansion draws nothing: the table follows matte samples well.
+            base: base.filter(|b| !b.is_expansion()),
             table: Tabulated::new(isotropic, eval),
         }
     }

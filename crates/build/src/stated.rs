@@ -1,8 +1,11 @@
 //! The error a model states at any incidence: that of its slices, and that of interpolating between them.
 //!
 //! The first comes from readings held out of the slices, the second from incidences left out of the model. An
-//! incidence left out stands in a gap twice as wide as those of the model; linear interpolation errs with the square of
-//! the gap, limited cubics and local quadratics with about its cube, extrapolation with the distance over the cosine.
+//! incidence left out stands in a gap twice as wide as those of the model. Real materials may have kinks: where there are enough
+//! incidences of an isotropic sample, gaps twice as wide again tell how errors fall with the gap. No incidence can be left out in
+//! the middle of its last gap, where errors grow fastest: at least half that of extrapolating from its inner end is stated there.
+//! On smooth materials linear interpolation errs with the square of the gap, limited cubics and local quadratics with about its
+//! cube, extrapolation with the distance over the cosine.
 
 use gonio_geom::DVec3;
 
@@ -15,6 +18,13 @@ use crate::leave_one_out::{Fold, Held, LooError};
 /// Exponent of the squared spread that errors go with.
 const LINEAR: f64 = 1.0;
 const HIGHER: f64 = 1.5;
+
+/// Least exponent, that of errors in proportion to the gap; taken for isotropic samples whose incidences are too few to
+/// tell.
+const LEAST_POWER: f64 = 0.5;
+
+/// Share of the error of extrapolation that is stated in the middle of the last gap, at least.
+const LAST_GAP: f64 = 0.5;
 
 /// Least share of the error of an incidence left out that is put down to interpolation, however large the errors of the
 /// slices are.
@@ -56,6 +66,8 @@ pub(crate) struct PartErrors {
     within: Vec<(DVec3, f64)>,
     /// Error of extrapolation over its [`distance`].
     beyond: Option<f64>,
+    /// The last two polar angles of an isotropic sample, radians.
+    last_gap: Option<[f64; 2]>,
 }
 
 impl PartErrors {
@@ -69,46 +81,75 @@ impl PartErrors {
         folds: &[Fold],
         (units, light, absolute): (&[f64], Vec<f64>, bool),
         (within, beyond): (&[LooError], &[LooError]),
+        wider: &[(Fold, LooError)],
     ) -> Self {
         // The amplitude of a peak changes by decades within a gap: no power of the gap goes with that.
-        let power = if candidate.order == Order::Linear || absolute {
+        let most = if candidate.order == Order::Linear || absolute {
             LINEAR
         } else {
             HIGHER
         };
-        let slices = slices.iter().zip(units).map(|(e, u)| e.times(*u)).collect();
-        let mut out = PartErrors {
-            slices,
-            light,
-            peak: None,
-            power,
-            within: Vec::new(),
-            beyond: None,
-        };
-        let mut past = Vec::new();
-        let (mut interior, mut edge) = (within.iter(), beyond.iter());
-        for fold in folds {
-            let Some(error) = (if fold.beyond { edge.next() } else { interior.next() }) else {
-                continue;
-            };
+        let slices: Vec<SliceError> = slices.iter().zip(units).map(|(e, u)| e.times(*u)).collect();
+        // What the incidences between add to the errors of the slices.
+        let added = |fold: &Fold, error: &LooError| {
             let directions: Vec<DVec3> = fold.kept.iter().map(|&k| all[k].node.direction).collect();
-            let kept: Vec<SliceError> = fold.kept.iter().map(|&k| out.slices[k]).collect();
+            let kept: Vec<SliceError> = fold.kept.iter().map(|&k| slices[k]).collect();
             let layout = Layout::new(&directions, symmetry);
             let i = all[fold.left_out].node.direction;
-            let known = slice_part(&layout, &kept, i).hypot(out.slices[fold.left_out].total());
+            let known = slice_part(&layout, &kept, i).hypot(slices[fold.left_out].total());
             let own = error.rel_l1_smooth * units[fold.left_out];
             let own = (own * own - known * known)
                 .max((LEAST_SHARE * own).powi(2))
                 .sqrt();
-            if fold.beyond {
-                past.push(own / distance(&layout, i).max(NEAR));
-            } else {
-                out.within
-                    .push((i, own / gap(&layout, i, power).max(gap_of(NEAR * NEAR, power))));
-            }
+            (own, layout, i)
+        };
+        let interior = || folds.iter().filter(|f| !f.beyond).zip(within);
+        let mut powers: Vec<f64> = wider
+            .iter()
+            .filter_map(|(fold, error)| {
+                let (narrow, found) = interior().find(|(f, _)| f.left_out == fold.left_out)?;
+                let ((far, wide, i), (near, close, _)) = (added(fold, error), added(narrow, found));
+                let spreads = wide.spread(i) / close.spread(i);
+                Some((far / near.max(f64::MIN_POSITIVE)).ln() / spreads.ln())
+            })
+            .filter(|p| p.is_finite())
+            .collect();
+        powers.sort_unstable_by(f64::total_cmp);
+        let power = match powers.get(powers.len() / 2) {
+            _ if absolute => most,
+            Some(p) => p.clamp(LEAST_POWER, most),
+            None if symmetry.is_isotropic() => LEAST_POWER,
+            None => most,
+        };
+        let inside = interior()
+            .map(|(fold, error)| {
+                let (own, layout, i) = added(fold, error);
+                (i, own / gap(&layout, i, power).max(gap_of(NEAR * NEAR, power)))
+            })
+            .collect();
+        let past = folds
+            .iter()
+            .filter(|f| f.beyond)
+            .zip(beyond)
+            .map(|(fold, error)| {
+                let (own, layout, i) = added(fold, error);
+                own / distance(&layout, i).max(NEAR)
+            });
+        let beyond = past.reduce(f64::max);
+        let last_gap = symmetry.is_isotropic().then(|| {
+            let mut thetas = all.iter().map(|h| polar(h.node.direction));
+            let last = thetas.next_back();
+            Some([thetas.next_back()?, last?])
+        });
+        PartErrors {
+            slices,
+            light,
+            peak: None,
+            power,
+            within: inside,
+            beyond,
+            last_gap: last_gap.flatten(),
         }
-        out.beyond = past.into_iter().reduce(f64::max);
-        out
     }
 
     /// Error of the slices around `i` between their readings alone; relative L1.
@@ -166,7 +207,8 @@ impl PartErrors {
                 sum += weight * coefficient;
                 total += weight;
             }
-            (total > 0.0).then(|| sum / total * gap(layout, i, self.power))
+            let least = self.in_last_gap(i);
+            (total > 0.0).then(|| (sum / total * gap(layout, i, self.power)).max(least))
         };
         StatedError {
             slice: slice_part(layout, &self.slices, i),
@@ -187,6 +229,27 @@ fn gap(layout: &Layout, i: DVec3, power: f64) -> f64 {
 
 fn gap_of(spread: f64, power: f64) -> f64 {
     spread.max(0.0).powf(power)
+}
+
+impl PartErrors {
+    /// Least error between the last two incidences of an isotropic sample; 0 at both and elsewhere.
+    fn in_last_gap(&self, i: DVec3) -> f64 {
+        let (Some([low, high]), Some(beyond)) = (self.last_gap, self.beyond) else {
+            return 0.0;
+        };
+        let theta = polar(i);
+        if theta <= low || theta >= high {
+            return 0.0;
+        }
+        let t = (theta - low) / (high - low);
+        let extrapolated = beyond * (theta - low) / i.z.max(LEAST_COSINE);
+        LAST_GAP * 4.0 * t * (1.0 - t) * extrapolated
+    }
+}
+
+/// Polar angle of a local direction, radians.
+fn polar(v: DVec3) -> f64 {
+    v.x.hypot(v.y).atan2(v.z)
 }
 
 /// How far `i` lies past the measured incidences. Towards grazing incidence scattering changes with the cosine: a step from
@@ -225,11 +288,17 @@ mod tests {
             power: LINEAR,
             within: vec![(at(30.0), 0.5)],
             beyond: Some(0.2),
+            last_gap: Some([30f64.to_radians(), 50f64.to_radians()]),
         };
         let stated = |t: f64| errors.at(&layout, at(t));
         assert!(stated(30.0).incidence.unwrap() < 1e-12 && (stated(30.0).slice - 0.01).abs() < 1e-12);
-        let middle = stated(40.0);
+        let middle = stated(20.0);
         assert!((middle.incidence.unwrap() - 0.5 * 10f64.to_radians().powi(2)).abs() < 1e-9);
+        let half_extrapolated = 0.5 * 0.2 * 10f64.to_radians() / 40f64.to_radians().cos();
+        assert!(
+            (stated(40.0).incidence.unwrap() - half_extrapolated).abs() < 1e-9,
+            "last gap"
+        );
         assert!(
             (middle.slice - 0.01 / 2f64.sqrt()).abs() < 1e-12,
             "independent noise averages"

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use crate::hold_out::SliceError;
 use crate::incidence::Part;
 use crate::layout::Neighbour;
-use crate::leave_one_out::Held;
+use crate::leave_one_out::{Held, LooError};
 use crate::node::Node;
+use crate::symmetry::polar;
 
 /// Error between readings (relative L1) from which a slice is called undersampled.
 const UNDERSAMPLED: f64 = 0.02;
@@ -16,6 +17,31 @@ const GONE: f64 = 5.0;
 
 /// Share of light that is there in one of two neighbouring incidences only from which that is said.
 const SWITCHED: f64 = 0.1;
+
+/// Factor between the error at the last incidence left out and the usual one, and least error (relative L1), from which errors
+/// grow too fast towards grazing incidence for the last gap to be known.
+const GROWING: f64 = 2.0;
+const GROWN: f64 = 0.03;
+
+/// What to say of the last gap of an isotropic sample, whose middle no incidence left out can tell of, from the errors at
+/// `interior` incidences left out (ascending) and the polar angle of the last incidence, radians.
+pub(crate) fn last_gap(label: &str, interior: &[LooError], last: f64) -> Option<String> {
+    let (outer, rest) = interior.split_last()?;
+    let mut usual: Vec<f64> = rest.iter().map(|e| e.rel_l1_smooth).collect();
+    usual.sort_unstable_by(f64::total_cmp);
+    let usual = *usual.get(usual.len() / 2)?;
+    let found = outer.rel_l1_smooth;
+    (found > GROWN && found > GROWING * usual).then(|| {
+        let theta = polar(outer.incidence).to_degrees();
+        format!(
+            "{label}: errors of interpolation grow towards grazing incidence ({:.1} % at theta_i {theta:.1} deg left out, {:.1} % \
+             usually); between there and {:.1} deg they may be several times what is stated",
+            100.0 * found,
+            100.0 * usual,
+            last.to_degrees()
+        )
+    })
+}
 
 /// What to say about slices with too few readings, and about lobes that are there at one incidence and not at the next.
 pub(crate) fn notes(label: &str, all: &[Held], slices: &[SliceError], part: &Part) -> Vec<String> {

@@ -8,7 +8,7 @@ use gonio_fit::{FitOptions, Metric, Selection, fit};
 use gonio_geom::{Component, DVec3, Direction};
 use gonio_scan::{Flags, Measurement, Slice};
 
-use super::{Base, Fitted, Recipe};
+use super::{Base, Expansion, Fitted, Recipe};
 
 /// Readings that the search for a starting point looks at; fewer where the base is fitted again.
 const START_READINGS: usize = 600;
@@ -206,6 +206,25 @@ impl Fitting {
             component: self.component,
             scale: self.scale,
             floor: self.floor,
+            expansion: None,
+        })
+    }
+
+    /// The reciprocal expansion up to `order` of the incidences for which `keep` holds; `None` when they do not determine it.
+    pub(crate) fn expansion(&self, order: usize, keep: impl Fn(usize) -> bool) -> Option<Base> {
+        let readings = (0..self.incidences.len()).filter(|&k| keep(k)).flat_map(|k| {
+            let (i, r) = (self.incidences[k], &self.readings[k]);
+            (0..r.len()).map(move |j| (i, r.direction[j], r.bsdf[j], r.omega[j] * r.direction[j].z))
+        });
+        let expansion = Expansion::fit(order, readings)?;
+        Some(Base {
+            name: format!("Zernike expansion of order {}", expansion.order),
+            parts: Vec::new(),
+            probabilities: Vec::new(),
+            component: self.component,
+            scale: self.scale,
+            floor: self.floor,
+            expansion: Some(expansion),
         })
     }
 

@@ -8,6 +8,7 @@ mod fitting;
 mod recipes;
 mod retro;
 mod search;
+mod zernike;
 
 use std::fmt;
 
@@ -18,7 +19,8 @@ use gonio_geom::{Component, DVec3, Direction};
 pub(crate) use divisor::Divisor;
 pub(crate) use fitting::{Fitting, Picked};
 pub(crate) use recipes::Recipe;
-pub(crate) use search::bases;
+pub(crate) use search::{bases, orders};
+pub(crate) use zernike::Expansion;
 
 /// How a part of a base moves with the incidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +53,8 @@ pub(crate) struct Base {
     scale: f64,
     /// Added to the parts that stay, so that ratios to the base stay finite.
     floor: f64,
+    /// In place of parts: a matte sample.
+    expansion: Option<Expansion>,
 }
 
 impl fmt::Debug for Base {
@@ -65,7 +69,15 @@ impl Base {
     /// BSDF for local directions on the upper hemisphere.
     #[inline]
     pub(crate) fn eval(&self, i: DVec3, s: DVec3) -> f64 {
-        self.sum(i, s, |_| true) + self.floor
+        match &self.expansion {
+            Some(expansion) => expansion.eval(i, s),
+            None => self.sum(i, s, |_| true) + self.floor,
+        }
+    }
+
+    /// Whether it is an expansion, which holds between measured incidences only.
+    pub(crate) fn is_expansion(&self) -> bool {
+        self.expansion.is_some()
     }
 
     /// The parts that move as `moves`, together.
@@ -89,6 +101,9 @@ impl Base {
 
     /// [`Base::eval`] of one incidence and many directions, faster.
     pub(crate) fn eval_all(&self, i: DVec3, directions: impl ExactSizeIterator<Item = DVec3>) -> Vec<f64> {
+        if let Some(expansion) = &self.expansion {
+            return directions.map(|s| expansion.eval(i, s)).collect();
+        }
         let n = directions.len();
         let mut pairs = Pairs::with_capacity(Direction::from_unit(raised(i)), n);
         for s in directions {

@@ -91,3 +91,19 @@ struct Tried {
     base: Arc<Base>,
     error: f64,
 }
+
+/// Orders of expansions that are tried for matte samples.
+const ORDERS: [usize; 3] = [4, 6, 8];
+
+/// Orders of the expansions to try: those closer to the readings than the best of `bases`, which has no lobe to describe then.
+pub(crate) fn orders(fitting: &Fitting, bases: &[(Recipe, Arc<Base>)]) -> Vec<usize> {
+    let Some((_, base)) = bases.first() else {
+        return Vec::new();
+    };
+    let least = fitting.error(base, |_| true);
+    let close = |order: &usize| {
+        let found = fitting.expansion(*order, |_| true);
+        found.is_some_and(|e| fitting.error(&e, |_| true) < least)
+    };
+    ORDERS.into_iter().filter(close).collect()
+}
