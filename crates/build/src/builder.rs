@@ -164,7 +164,12 @@ impl Job<'_> {
                 .iter()
                 .filter_map(Pile::peak_spacing)
                 .fold(f64::INFINITY, f64::min);
-            let spacing = if spacing.is_finite() { spacing } else { 0.0 };
+            // Without axes bases stay as they were judged: bounds on widths change what is taken past the last incidence.
+            let spacing = if spacing.is_finite() && !isotropic {
+                spacing
+            } else {
+                0.0
+            };
             Fitting::new(component, directions.to_vec(), readings.collect(), spacing)
         };
         let bases = bases(&fitting, component, isotropic, &options.without)?;

@@ -71,8 +71,15 @@ pub(crate) fn bases(
     if component == Component::Reflection
         && let Some(first) = found.first()
     {
-        let kinds = with_retro(&first.recipe).into_par_iter();
+        // Without axes the lobe of facets: a round one was seen to run away past the last incidence of matte samples.
+        let [facets, round] = with_retro(&first.recipe);
+        let kinds = if isotropic {
+            vec![facets]
+        } else {
+            vec![facets, round]
+        };
         let retro = kinds
+            .into_par_iter()
             .filter_map(|r| if isotropic { fitted(r) } else { grown(r, &found) })
             .min_by(|a, b| a.error.total_cmp(&b.error));
         if let Some(retro) = retro.filter(|r| r.error < RETRO_GAIN * first.error) {
