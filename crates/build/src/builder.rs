@@ -319,8 +319,11 @@ impl Job<'_> {
             rule.candidate,
             &contest.folds,
             (&units, light, share != Share::All),
-            (&chosen.errors, beyond.as_ref().map_or(&[], |t| &t.errors)),
-            &contest.wider(chosen),
+            (
+                &chosen.errors,
+                &contest.wider(chosen),
+                beyond.as_ref().map_or(&[], |t| &t.errors),
+            ),
         );
         let nodes: Vec<Arc<Node>> = if plain && base.is_some() {
             all.iter().map(|h| Arc::new(h.node.with_bsdf())).collect()

@@ -71,7 +71,8 @@ pub(crate) struct PartErrors {
 }
 
 impl PartErrors {
-    /// From the errors of the slices and of the folds, `within` those of interior incidences by `candidate`; with the
+    /// From the errors of the slices and of the folds, `within` those of interior incidences by `candidate`, `wider` those
+    /// in gaps twice as wide; with the
     /// units of relative errors, the share of light of every incidence, and whether the units are that share (`absolute`).
     pub(crate) fn new(
         all: &[Held],
@@ -80,8 +81,7 @@ impl PartErrors {
         candidate: Candidate,
         folds: &[Fold],
         (units, light, absolute): (&[f64], Vec<f64>, bool),
-        (within, beyond): (&[LooError], &[LooError]),
-        wider: &[(Fold, LooError)],
+        (within, wider, beyond): (&[LooError], &[(Fold, LooError)], &[LooError]),
     ) -> Self {
         // The amplitude of a peak changes by decades within a gap: no power of the gap goes with that.
         let most = if candidate.order == Order::Linear || absolute {
