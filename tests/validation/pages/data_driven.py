@@ -44,7 +44,7 @@ sample turned repeats within 4 to 6 %.
 Readings published with [Germer2017], 304 directions at 0 to 75° in steps of 15°; each interior incidence predicted from the others,
 root mean square of the DSF's difference from the readings over that of the readings, by solid angle, in percent. It contains the noise of the
 readings left out. The goal, 1.6 % to the independent set at random directions, cannot be measured here: that set is not
-published with the grid.
+among the data here.
 
 {ptfe}
 ## An imaging sphere's file
