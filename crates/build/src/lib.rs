@@ -2,6 +2,7 @@
 
 mod base;
 mod builder;
+mod built;
 mod choice;
 mod direct;
 mod energy;

@@ -11,7 +11,8 @@ use gonio_scan::{Measurement, Slice};
 
 use crate::across::Candidate;
 use crate::base::Base;
-use crate::builder::{self, Built};
+use crate::builder;
+use crate::built::Built;
 use crate::direct::{self, Direct, DirectPeak, Separated};
 use crate::energy::Cap;
 use crate::error::BuildError;
