@@ -76,6 +76,17 @@ def model_format(path: Path) -> str | None:
     return XML_FORMAT if start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(xml) else None
 
 
+def is_model(path: Path) -> bool:
+    """Whether a file holds a model by its content, or is named as a Radiance material.
+
+    Raises
+    ------
+    OSError
+        The operating system refuses.
+    """
+    return model_format(path) is not None or path.suffix.lower() in MATERIAL_SUFFIXES
+
+
 def is_zemax(path: Path) -> bool:
     """Whether a file is a Zemax tabular BSDF by its content: readings, not a model."""
     try:

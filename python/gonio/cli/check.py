@@ -10,6 +10,7 @@ import typer
 import gonio
 from gonio import QuantityError
 from gonio.cli.running import Json, out, print_json
+from gonio.model_files import is_model
 
 STYLES = {"pass": "green", "info": "dim", "warn": "yellow", "fail": "bold red"}
 EXIT_FAILED = 1
@@ -31,7 +32,7 @@ def check(
     json: Json = False,
 ) -> None:
     """Check a measurement or a model; exit code 1 when a check fails."""
-    if measurement.is_file():
+    if measurement.is_file() and is_model(measurement):
         if repeat or isotropic is not None:
             raise QuantityError(
                 f"{measurement}: found a model, needed a measurement for --repeat and --isotropic"
