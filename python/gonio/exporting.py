@@ -209,6 +209,10 @@ def export(
                 "patches or cells in the mirror and through directions hold light that leaves unscattered: "
                 "name the file in an aBSDF material and Radiance shows what is behind it sharp"
             )
+            notes.append(
+                "the loss compares the table with the BSDF alone: relative L1 and peak count that light as "
+                "error, its DHR does not"
+            )
         if not as_visible and (label := reduced.channels[0]) != "photopic":
             notes.append(
                 f"the data are labelled {label}, and Radiance renders what is labelled Visible only: "
