@@ -116,8 +116,8 @@ def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
         material, which is red, green and blue.
     channel
         Of an XML, which holds one model a channel, the channel to read: photopic is the file's Visible, solar
-        its Solar, 550nm a wavelength; None is photopic. The others keep all their channels; one that they do
-        not have is refused.
+        its Solar, 550nm a wavelength; None is the only one, or photopic where there are several. The others
+        keep all their channels; one that they do not have is refused.
 
     Raises
     ------
@@ -139,7 +139,13 @@ def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
     if file.suffix.lower() in MATERIAL_SUFFIXES and found is None:
         return _material_with(file, channel)
     _require_model(file)
-    return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or "photopic"))
+    return interruptible(lambda: _native.read_radiance_xml(file, channel=channel or _xml_channel(file)))
+
+
+def _xml_channel(path: Path) -> str:
+    """The only channel of an XML, photopic where there are several."""
+    there = _native.radiance_xml_channels(path)
+    return there[0] if len(there) == 1 else "photopic"
 
 
 def _check_channel(model: Bsdf, channel: str | None) -> None:

@@ -42,3 +42,13 @@ def test_the_file_of_a_model_is_checked(run, tmp_path):
         "isotropy",
     ]
     one_clear_error(run("check", tmp_path / "paint.rad", "--isotropic"), "paint.rad", "measurement")
+
+
+def test_an_xml_of_one_wavelength_is_checked_without_naming_it(run, tmp_path):
+    model = _native.analytic([{"model": "lambert", "rho": 0.3}])
+    gonio.export(model, to="radiance-klems", out=tmp_path / "white.xml")
+    text = (tmp_path / "white.xml").read_text()
+    (tmp_path / "red.xml").write_text(text.replace('unit="Integral">Visible<', 'unit="nm">650<'))
+    done = run("check", tmp_path / "red.xml", "--json")
+    assert done.code == 0, done.err
+    assert {v["verdict"] for v in json.loads(done.out)["verdicts"]} <= {"pass", "info"}

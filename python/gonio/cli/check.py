@@ -29,6 +29,9 @@ def check(
             "--isotropic/--anisotropic", help="What the sample is. Without it told from the azimuths."
         ),
     ] = None,
+    channel: Annotated[
+        str | None, typer.Option("--channel", help="Channel of a BSDF XML that has several.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Check a measurement or a model; exit code 1 when a check fails."""
@@ -37,7 +40,7 @@ def check(
             raise QuantityError(
                 f"{measurement}: found a model, needed a measurement for --repeat and --isotropic"
             )
-        verdicts = gonio.check_model(gonio.read_bsdf(measurement))
+        verdicts = gonio.check_model(gonio.read_bsdf(measurement, channel=channel))
     else:
         verdicts = gonio.check(measurement, repeats=repeat or [], isotropic=isotropic)
     if json:
