@@ -177,7 +177,7 @@ def compare(
     Raises
     ------
     QuantityError
-        No common channel, or not the one asked for.
+        No common channel, or not the one asked for; a component in which neither scatters.
     DomainError
         An incidence on the horizon or out of range, or no component in which one of them scatters.
     FitError, FormatError, OSError
@@ -190,6 +190,12 @@ def compare(
     if not asked or any(k not in _KEYS for k in asked):
         found = ", ".join("-".join(k) for k in asked) or "none that scatters"
         raise DomainError(f"components: found {found}, allowed {', '.join('-'.join(k) for k in _KEYS)}")
+    dark = ["-".join(k) for k in asked if not any(lit[k])]
+    if dark:
+        there = ", ".join("-".join(k) for k in _KEYS if any(lit[k])) or "none"
+        raise QuantityError(
+            f"components: found {', '.join(dark)}, where neither scatters, needed some of {there}"
+        )
     warnings = [
         f"{side} {component}: only {'a' if lit[side, component][0] else 'b'} scatters there"
         for side, component in asked

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from gonio import _native
-from gonio._native import Bsdf, Compact, DataDriven
+from gonio._native import Bsdf, Compact, DataDriven, QuantityError
 from gonio.compact_files import write_compact
-from gonio.comparing import ModelComparison, ModelOrMeasurement, compare, model_of
+from gonio.comparing import ModelComparison, ModelOrMeasurement, compare, model_of, scatters
 from gonio.files import check_file
 from gonio.measurement import Measurement
 from gonio.measurement_header import JSON_NAME
@@ -101,7 +101,7 @@ def reduce(
     DomainError
         An option out of range; an ideal part (mirror, unbent), which a table cannot hold; nothing scatters.
     QuantityError
-        A channel that is not there.
+        A channel that is not there; a component in which the model does not scatter.
     FitError, FormatError, OSError
         A measurement that no model can be built from, a file that cannot be read or written; nothing is left
         behind.
@@ -112,6 +112,9 @@ def reduce(
     wanted = list(channels) if channels is not None else None
     one = wanted[0] if wanted is not None and len(wanted) == 1 else None
     full = model_of(sample, channel=one, progress=progress)
+    dark = ["-".join(k) for k in components or () if not scatters(full, *k)]
+    if dark:
+        raise QuantityError(f"components: found {', '.join(dark)}, where the model does not scatter")
     progress("reducing", 0, 1)
     model = interruptible(
         lambda: _native.to_compact(

@@ -94,3 +94,12 @@ def test_wrong_words_are_refused_in_one_line(run, tmp_path):
     one_clear_error(run("compare", "a.nc", "a.nc", "--incidence", "90,0"), "(90, 0)", "but 90")
     one_clear_error(run("compare", "a.nc", "a.nc", "--incidence", "150,0"), "(150, 0)", "side that scatters")
     one_clear_error(run("compare", "a.nc", "a.nc", "--picture", "a.txt"), ".txt", ".png")
+
+
+def test_a_component_in_which_nothing_scatters_is_refused_not_compared():
+    white = gonio._native.analytic([{"model": "lambert", "rho": 0.3}])
+    grey = gonio._native.analytic([{"model": "lambert", "rho": 0.2}])
+    with pytest.raises(gonio.QuantityError, match="front-transmission, where neither scatters"):
+        gonio.compare(white, grey, components=[("front", "transmission")])
+    with pytest.raises(gonio.QuantityError, match="front-transmission, where the model does not scatter"):
+        gonio.reduce(white, components=[("front", "transmission")])
