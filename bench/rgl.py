@@ -10,7 +10,6 @@ held-out errors of the four.
 
 from __future__ import annotations
 
-import math
 import os
 import tempfile
 from collections.abc import Mapping
@@ -22,7 +21,7 @@ from gonio import _native
 
 from bench._materials import Array, direction, readings, unit
 from bench._timing import seconds
-from bench.models import Eval, measurement, of_model, peer
+from bench.models import Eval, measurement, of_model, peer, record
 
 IDS = ("heldout-rgl-vs-radiance-ttree",)
 SHARED = Path(os.environ.get("GONIO_SHARED_DATA", Path(__file__).parents[2] / "shared" / "data"))
@@ -110,20 +109,4 @@ def run() -> list[dict[str, Any]]:
         with tempfile.TemporaryDirectory() as folder:
             spent, tree = peer(data, Path(folder))
         theirs[name] = errors(material, of_model(tree)) | {"cpu": spent}
-
-    def mean(of: dict[str, Any]) -> float:
-        return math.exp(np.mean([math.log(np.mean(of[name]["held_out"])) for name in MATERIALS]))
-
-    return [
-        {
-            "id": IDS[0],
-            "ours": mean(ours),
-            "peer": mean(theirs),
-            "peer_name": "RADIANCE pabopto2bsdf, bsdf2ttree -g 6",
-            "ratio": mean(theirs) / mean(ours),
-            "unit": "relative L1",
-            "command": f"python -m bench {IDS[0]}",
-            "details": ours,
-            "peer_details": theirs,
-        }
-    ]
+    return [record(IDS[0], ours, theirs, MATERIALS)]
