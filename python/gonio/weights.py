@@ -40,6 +40,8 @@ class Integral:
     """From reading at these directions only, extrapolation included."""
     u_extrapolated: float
     """The share of `u_quadrature` that comes from the extrapolated part."""
+    u_peaks: float
+    """The share of `u_quadrature` that comes from peaks on which few readings stand."""
     measured_omega: float
     """Solid angle within reach of a reading, sr (of 2 pi)."""
     reach: float

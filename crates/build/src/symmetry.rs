@@ -143,16 +143,27 @@ pub(crate) fn decide(slices: &[&Slice], choice: SymmetryChoice) -> Azimuth {
     }
 }
 
-/// Whether the incidences on `side` lie in one plane through the normal.
+/// Tilt of the sample up to which incidences of one plane of the instrument stay one plane, radians (3 degrees).
+const TILT: f64 = 3.0 * std::f64::consts::PI / 180.0;
+
+/// Whether the incidences on `side` lie in one plane through the normal, or beside it by no more than a tilted sample
+/// brings about: then they stand at many azimuths, all of them near the plane.
 fn one_plane(groups: &[Incidence<'_>], side: Side) -> bool {
-    let mut azimuths = groups
+    let off_normal: Vec<Angles> = groups
         .iter()
-        .filter(|g| g.angles.direction().side() == side && polar(g.angles) > SAME_THETA)
-        .map(|g| g.angles.phi);
-    let Some(first) = azimuths.next() else {
-        return true;
-    };
-    azimuths.all(|phi| (phi - first).sin().abs() < SAME_THETA.sin())
+        .map(|g| g.angles)
+        .filter(|a| a.direction().side() == side && polar(*a) > SAME_THETA)
+        .collect();
+    // Axis of the directions' projections on the sample: azimuths half a turn apart are one.
+    let (s, c) = off_normal.iter().fold((0.0, 0.0), |(s, c), a| {
+        let w = a.theta.sin().powi(2);
+        (s + w * (2.0 * a.phi).sin(), c + w * (2.0 * a.phi).cos())
+    });
+    let axis = 0.5 * f64::atan2(s, c);
+    off_normal.iter().all(|a| {
+        let beside = (a.phi - axis).sin();
+        beside.abs() < SAME_THETA.sin() || (a.theta.sin() * beside).abs() < TILT.sin()
+    })
 }
 
 fn rotated_difference(a: &Incidence<'_>, b: &Incidence<'_>, component: Component) -> Option<f64> {
@@ -226,4 +237,45 @@ pub(crate) fn half_measured(surface: &SliceSurface) -> bool {
         }
     }
     f64::min(left, right) < HALF_SHARE * f64::max(left, right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gonio_geom::Direction;
+
+    fn decided(incidences: &[(f64, f64)], tilt: f64) -> Azimuth {
+        let slices: Vec<Slice> = incidences
+            .iter()
+            .map(|&(theta, phi)| {
+                let d = Direction::from_degrees(theta, phi).vec();
+                let (s, c) = tilt.to_radians().sin_cos();
+                let tilted = DVec3::new(d.x, c * d.y - s * d.z, s * d.y + c * d.z);
+                Slice {
+                    incidence: Direction::from_unit(tilted).angles(),
+                    channel: gonio_bsdf::Channel::Photopic,
+                    theta_s: Vec::new(),
+                    phi_s: Vec::new(),
+                    dsf: Vec::new(),
+                    u_dsf: Vec::new(),
+                    omega: Vec::new(),
+                    flags: Vec::new(),
+                    u_common: 0.0,
+                    integrals: Vec::new(),
+                }
+            })
+            .collect();
+        decide(&slices.iter().collect::<Vec<_>>(), SymmetryChoice::Auto)
+    }
+
+    #[test]
+    fn a_tilted_sample_measured_in_one_plane_is_not_taken_for_one_measured_at_many_azimuths() {
+        let plane: Vec<(f64, f64)> = [0.0, 5.0, 10.0, 30.0, 60.0].map(|t| (t, 40.0)).to_vec();
+        for tilt in [0.0, 0.4, -2.5] {
+            assert!(decided(&plane, tilt).isotropic, "{tilt}");
+        }
+        let crossed = [(10.0, 0.0), (30.0, 0.0), (60.0, 90.0)];
+        assert!(!decided(&crossed, 0.0).isotropic);
+        assert!(!decided(&[(60.0, 0.0), (60.0, 10.0), (30.0, 0.0)], 0.0).isotropic);
+    }
 }

@@ -173,6 +173,7 @@ fn align<'py>(py: Python<'py>, measurement: &MeasurementData) -> PyResult<Bound<
     out.set_item("u_tilt_x", u_x)?;
     out.set_item("u_tilt_y", u_y)?;
     out.set_item("u_azimuth", u_a)?;
+    out.set_item("significant", found.is_significant())?;
     out.set_item("residual", found.residual.to_degrees())?;
     out.set_item("peaks", found.peaks.len())?;
     Ok(out)

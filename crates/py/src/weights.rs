@@ -126,6 +126,7 @@ fn hemisphere_integral<'py>(
     out.set_item("u_noise", r.u_noise)?;
     out.set_item("u_quadrature", r.u_quadrature)?;
     out.set_item("u_extrapolated", r.u_extrapolated)?;
+    out.set_item("u_peaks", r.u_peaks)?;
     out.set_item("measured_omega", r.measured_omega)?;
     out.set_item("reach", r.reach.to_degrees())?;
     Ok(out)

@@ -1,6 +1,7 @@
 //! From readings to a measurement: corrections, beam power, DSF/BSDF, uncertainty, checks.
 
 pub mod alignment;
+mod assemble;
 mod assumed;
 pub mod beam;
 mod blank;
@@ -11,8 +12,10 @@ pub mod error;
 mod field;
 mod flagging;
 pub mod flags;
+mod invert;
 mod local;
 pub mod measurement;
+mod narrow_peak;
 mod nearest;
 pub mod noise;
 pub mod phase;

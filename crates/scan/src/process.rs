@@ -3,15 +3,17 @@
 use gonio_bsdf::{Channel, Quantity};
 use rayon::prelude::*;
 
-use crate::assumed::{lacks_dark, no_calibration, no_dark};
+use crate::assemble::{Done, assemble};
+use crate::assumed::{lacks_dark, no_calibration};
 use crate::beam::beam_power;
-use crate::blank::{blank_match, place, summed_up};
+use crate::blank::blank_match;
 use crate::dark::{DarkOptions, DarkSummary, subtract};
 use crate::flagging::{Apertures, half_angle, raw_flags};
 use crate::local::{gradient, resolution_uncertainty};
+use crate::narrow_peak;
 use crate::validate::{sample_records, well_formed};
 use crate::weigh::weigh;
-use crate::{Beam, Flags, Measurement, NoiseModel, Processing, Scan, ScanError, ScanKind, Slice, Verdict};
+use crate::{Beam, Flags, Measurement, NoiseModel, Scan, ScanError, ScanKind, Slice};
 
 /// Settings of [`process`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -131,84 +133,6 @@ pub fn process_owned(
         without_dark,
         assumed,
     ))
-}
-
-/// One processed record with what was learnt from it.
-pub(crate) struct Done {
-    pub(crate) slice: Slice,
-    pub(crate) noise: NoiseModel,
-    pub(crate) dark: Option<DarkSummary>,
-    /// Whether the blank matched.
-    pub(crate) findings: Vec<Verdict>,
-}
-
-/// The measurement of processed records; `assumed` are findings of the whole.
-pub(crate) fn assemble(
-    done: Vec<Done>,
-    beams: Vec<Beam>,
-    sample_name: Option<String>,
-    mut warnings: Vec<String>,
-    without_dark: bool,
-    assumed: Vec<Verdict>,
-) -> Measurement {
-    let mut processing = Processing::default();
-    let mut slices = Vec::with_capacity(done.len());
-    let mut blanks = Vec::new();
-    for d in done {
-        processing.noise.push((d.slice.channel, d.noise));
-        processing.dark.push(d.dark);
-        blanks.extend(d.findings);
-        slices.push(d.slice);
-    }
-    processing.findings.extend(summed_up(blanks));
-    if without_dark {
-        processing.findings.push(no_dark(&slices));
-    }
-    processing.findings.extend(assumed);
-    for f in processing
-        .findings
-        .iter()
-        .filter(|f| f.level > crate::Level::Pass)
-    {
-        warnings.push(f.sentence.clone());
-    }
-    for slice in &slices {
-        for h in slice.integrals.iter().filter(|h| h.value > 1.0 + 2.0 * h.u) {
-            let (theta, phi) = slice.incidence.to_degrees();
-            warnings.push(format!(
-                "{} at theta_i {theta:.2}, phi_i {phi:.2} deg, {} side: the hemispherical integral is {:.4}, more than 1 \
-                 by more than its uncertainty",
-                slice.channel, h.side, h.value
-            ));
-        }
-    }
-    let flat: Vec<&Slice> = slices.iter().filter(|s| s.integrals.is_empty()).collect();
-    if let Some(first) = flat.first() {
-        warnings.push(format!(
-            "no hemispherical integral for {} of {} scans, the first {} at {}: the readings lie near less than {:.0} % \
-             of a hemisphere, as those of an in-plane scan; scan more azimuths for DHR or DHT",
-            flat.len(),
-            slices.len(),
-            first.channel,
-            place(first.incidence),
-            100.0 * crate::weigh::MEASURED
-        ));
-    }
-    let signature_fwhm = beams
-        .iter()
-        .map(|b| b.signature.fwhm)
-        .filter(|w| w.is_finite())
-        .max_by(f64::total_cmp);
-    let resolutions = beams.iter().filter_map(Beam::resolution).collect();
-    processing.beams = beams;
-    Measurement {
-        slices,
-        sample_name,
-        signature_fwhm,
-        resolutions,
-        warnings,
-        processing,
-    }
 }
 
 /// One noise model a channel that states none; records that state theirs use it.
@@ -386,6 +310,9 @@ fn one(
             0.0
         },
     )?;
+    if let Some((second_moment, _)) = resolution {
+        narrow_peak::add_uncertainty(&mut slice, second_moment);
+    }
     Ok(Done {
         slice,
         noise,

@@ -6,13 +6,13 @@ use gonio_bsdf::Quantity;
 use gonio_geom::{DVec3, Direction};
 use rayon::prelude::*;
 
+use crate::assemble::{Done, assemble};
 use crate::assumed::{lacks_dark, no_u_standard};
 use crate::dark::subtract;
 use crate::flagging::raw_flags;
 use crate::nearest::DirectionIndex;
 use crate::process::{
-    Done, ProcessOptions, add_local_uncertainty, apertures, assemble, combine, model_of, noise_models,
-    to_slice,
+    ProcessOptions, add_local_uncertainty, apertures, combine, model_of, noise_models, to_slice,
 };
 use crate::validate::{sample_records, well_formed};
 use crate::{Flags, Measurement, NoiseModel, Scan, ScanError, ScanKind};

@@ -1,5 +1,6 @@
 //! Hemispherical integrals of scattered readings with their quadrature uncertainty.
 
+mod peaks;
 mod profile;
 mod stencil;
 
@@ -83,6 +84,8 @@ pub struct HemisphereIntegral {
     pub u_quadrature: f64,
     /// The share of `u_quadrature` that comes from the extrapolated part.
     pub u_extrapolated: f64,
+    /// The share of `u_quadrature` that comes from peaks narrower than the readings about them can tell.
+    pub u_peaks: f64,
     /// Solid angle within reach of a reading, sr (of 2π).
     pub measured_omega: f64,
     /// The reach that was used, radians.
@@ -99,8 +102,8 @@ pub struct HemisphereIntegral {
 ///   through the reading fitted to its Delaunay neighbours. Readings of equal direction (within 2e-6 rad) are averaged.
 /// - Parts of cells beyond [`IntegralOptions::reach`] are filled by the profile of the lobe (see
 ///   [`IntegralOptions::wi`]) and reported as `extrapolated`.
-/// - `u_quadrature` is built from the differences between the rules of order 0, 1 and 2 and between ways to extrapolate;
-///   docs/validation/weights.md tests that it covers.
+/// - `u_quadrature` is built from the differences between the rules of order 0, 1 and 2, between ways to extrapolate,
+///   and from how few readings stand on the peaks; docs/validation/weights.md tests that it covers.
 ///
 /// # Errors
 /// [`IntegralError`] for arrays of unequal length, nothing usable, a usable value that is not finite, or directions
@@ -165,6 +168,7 @@ pub fn hemisphere_integral(
     let far = far_sums(&diagram, &f, &sums, wi);
     let by_order = sums.by_order.map(|s| s + far.value);
     let u_rule = rule_uncertainty(by_order);
+    let u_peaks = peaks::unresolved(&diagram, &f, variance.as_deref(), &sums.weights, by_order[2]);
     Ok(HemisphereIntegral {
         value: by_order[2],
         extrapolated: far.value,
@@ -172,8 +176,9 @@ pub fn hemisphere_integral(
             let sum: f64 = sums.weights.iter().zip(&v).map(|(w, v)| w * w * v).sum();
             sum.sqrt()
         }),
-        u_quadrature: u_rule.hypot(far.u),
+        u_quadrature: u_rule.hypot(far.u).hypot(u_peaks),
         u_extrapolated: far.u,
+        u_peaks,
         measured_omega: sums.omega,
         reach,
         by_order,

@@ -239,3 +239,56 @@ fn readings_of_nearly_the_same_direction_count_as_their_mean() {
         );
     }
 }
+
+/// Directions over the hemisphere and a square raster of `pitch` radians about 30°, displaced by `phase` steps.
+fn with_patch(pitch: f64, phase: [f64; 2]) -> Vec<DVec3> {
+    let axis = Direction::from_degrees(30.0, 0.0).vec();
+    let (a, b) = axis.any_orthonormal_pair();
+    let radius = 12;
+    let outside = |p: &DVec3| p.angle_between(axis) > (f64::from(radius) + 0.5) * pitch;
+    let mut points: Vec<DVec3> = spiral(2_000).into_iter().filter(outside).collect();
+    for k in -radius..=radius {
+        for l in -radius..=radius {
+            let (x, y) = (f64::from(k) + phase[0], f64::from(l) + phase[1]);
+            if x.hypot(y) <= f64::from(radius) {
+                points.push((axis + pitch * (x * a + y * b)).normalize());
+            }
+        }
+    }
+    points
+}
+
+#[test]
+fn the_uncertainty_covers_peaks_that_hold_few_readings() {
+    let axis = Direction::from_degrees(30.0, 0.0).vec();
+    let pitch = 0.004;
+    let (mut covered, mut cases) = (0, 0);
+    for width in [0.25, 0.35, 0.42, 0.5, 0.7, 1.0] {
+        let s = width * pitch;
+        let mut rms = [0.0; 2];
+        for k in 0..25 {
+            let phase = [f64::from(k % 5) / 5.0, f64::from(k / 5) / 5.0];
+            let points = with_patch(pitch, phase);
+            let dsf: Vec<f64> = points
+                .iter()
+                .map(|p| 0.1 * p.z / PI + (-(p.angle_between(axis) / s).powi(2) / 2.0).exp() / (TAU * s * s))
+                .collect();
+            let r = integral(&points, &dsf);
+            let error = (r.value - 1.1).abs();
+            rms[0] += error * error / 25.0;
+            rms[1] += r.u_quadrature.powi(2) / 25.0;
+            covered += i32::from(error <= 2.0 * r.u_quadrature);
+            cases += 1;
+        }
+        assert!(
+            rms[1].sqrt() < 4.0 * rms[0].sqrt() + 0.01,
+            "width {width}: u {} for an error of {}",
+            rms[1].sqrt(),
+            rms[0].sqrt()
+        );
+    }
+    assert!(
+        f64::from(covered) >= 0.95 * f64::from(cases),
+        "{covered} of {cases}"
+    );
+}
