@@ -64,3 +64,28 @@ def test_klems_patches_hold_the_unscattered_light(run, measured, tmp_path):
     klems = gonio.read_radiance(target)
     albedo = gonio._native.directional_albedo(klems, theta_i=30, phi_i=0, component="transmission")
     assert albedo == pytest.approx(0.48, abs=0.02)
+
+
+def test_a_peak_between_the_readings_is_in_the_uncertainty_of_the_transmittance(run, tmp_path):
+    material = tmp_path / "curtain.rad"
+    material.write_text(CURTAIN)
+    for pitch in (0.25, 0.5):
+        raw = tmp_path / f"raw{pitch}"
+        gonio.simulate(
+            material=material,
+            out=raw,
+            incidences=[(0, 0), (40, 0)],
+            components=["transmission"],
+            instrument={"patch_pitch": pitch},
+            seed=3,
+        )
+        found = gonio.process(
+            sorted(raw.glob("sample*.txt")),
+            beam=[raw / "beam.txt"],
+            dark=[raw / "dark.txt"],
+            out=tmp_path / f"m{pitch}",
+        )
+        assert any("too few of them" in w for w in found.warnings)
+        for part in (i for s in found.slices for i in s.integrals if i.side == "back"):
+            # Half of the light goes straight on; k = 2
+            assert 0.02 < abs(part.value - 2 * THROUGH) < 2 * part.u < 0.4

@@ -17,7 +17,7 @@ const LEAST: usize = 3;
 /// Adds to the uncertainty of the integrals what a peak as narrow as the beam holds beside what its readings count.
 ///
 /// Where the highest readings of a side are few and stand out, a Gaussian of the beam's `second_moment` (rad^2) is laid
-/// through them, which gives its place and its flux; the difference to the flux that these readings count in the
+/// through them, or a wider one that fits, which gives its place and its flux; the difference to the flux that these readings count in the
 /// integral is a standard uncertainty of the quadrature. With readings a third of the beam's width apart it is nothing.
 pub(crate) fn add_uncertainty(slice: &mut Slice, second_moment: f64) {
     if !(second_moment.is_finite() && second_moment > 0.0) {
@@ -65,37 +65,51 @@ fn missed(slice: &Slice, side: Side, second_moment: f64) -> Option<f64> {
     if on_peak.len() < LEAST {
         return None;
     }
-    // ln f + x^2 / m = a + b . x is linear in the place b m / 2 and the height of the peak.
     let rows = on_peak.iter().map(|&&(f, v, _)| {
         let (x, y) = (v.dot(e1), v.dot(e2));
-        ([1.0, x, y], f.ln() + (x * x + y * y) / second_moment)
+        ([1.0, x, y, x * x + y * y], f)
     });
-    let [a, b1, b2] = least_squares(rows)?;
-    let displaced = 0.5 * second_moment * b1.hypot(b2);
-    if displaced > reach {
-        return None;
-    }
-    let flux = std::f64::consts::PI * second_moment * (a + displaced * displaced / second_moment).exp();
+    let flux = flux(rows, second_moment, reach)?;
     let counted: f64 = on_peak.iter().map(|r| (r.0 - around) * slice.omega[r.2]).sum();
     let missed = (flux - counted).abs();
     // More than all of the light is no peak of this shape.
     (missed < 1.0).then_some(missed)
 }
 
-/// Three coefficients by the normal equations; `None` for readings on one line.
-fn least_squares(rows: impl Iterator<Item = ([f64; 3], f64)>) -> Option<[f64; 3]> {
-    let (mut normal, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
-    for (row, value) in rows {
-        for i in 0..3 {
-            right[i] += row[i] * value;
-            for j in 0..3 {
-                normal[i][j] += row[i] * row[j];
+/// Flux of the Gaussian `exp(a + b . x - x^2 / m)` through readings `([1, x, y, x^2 + y^2], f)`: of width `m` where they are
+/// few, of their own width (`m` at least) where they determine it. `None` for readings on one line and for a peak farther
+/// than `reach` from them. Readings count by their height, for those on the flanks bear what the beam is no Gaussian in.
+fn flux(rows: impl Iterator<Item = ([f64; 4], f64)> + Clone, m: f64, reach: f64) -> Option<f64> {
+    let fixed = rows
+        .clone()
+        .map(|(r, f)| ([r[0], r[1], r[2]], f.ln() + r[3] / m, f * f));
+    let free = rows.map(|(r, f)| (r, f.ln(), f * f));
+    let [mut a, mut b1, mut b2] = least_squares(fixed)?;
+    let mut width = m;
+    if let Some([a4, x4, y4, c]) = least_squares(free)
+        && c < 0.0
+        && -1.0 / c > m
+    {
+        (a, b1, b2, width) = (a4, x4, y4, -1.0 / c);
+    }
+    let displaced = 0.5 * width * b1.hypot(b2);
+    (displaced <= reach).then(|| std::f64::consts::PI * width * (a + displaced * displaced / width).exp())
+}
+
+/// Coefficients by the weighted normal equations; `None` where the rows do not determine them.
+fn least_squares<const N: usize>(rows: impl Iterator<Item = ([f64; N], f64, f64)>) -> Option<[f64; N]> {
+    let (mut normal, mut right) = ([[0.0; N]; N], [0.0; N]);
+    for (row, value, weight) in rows {
+        for i in 0..N {
+            right[i] += weight * row[i] * value;
+            for j in 0..N {
+                normal[i][j] += weight * row[i] * row[j];
             }
         }
     }
     let inverse = invert(normal)?;
     Some(std::array::from_fn(|i| {
-        (0..3).map(|j| inverse[i][j] * right[j]).sum()
+        (0..N).map(|j| inverse[i][j] * right[j]).sum()
     }))
 }
 

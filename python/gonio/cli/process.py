@@ -87,8 +87,7 @@ def process(
     out.print(f"{to}: {measurement}")
     tilt = measurement.provenance["processing"]["alignment"]
     if tilt is not None:
-        done = "corrected" if align else "not corrected"
-        out.print(f"  tilt {tilt['tilt']:.3f} deg, azimuth offset {tilt['azimuth']:.3f} deg ({done})")
+        out.print(f"  {_alignment(tilt, corrected=align)}")
     for s in measurement.slices:
         place = f"  {s.channel}  theta_i {s.theta_i:.4g}  phi_i {s.phi_i:.4g}"
         if not s.integrals:
@@ -99,3 +98,20 @@ def process(
             out.print(
                 f"{place}  {name} {i.value:.4f} ± {2 * i.u:.4f} (k = 2), {share:.1f} % of it extrapolated"
             )
+
+
+def _alignment(found: dict[str, float], *, corrected: bool) -> str:
+    """How the sample stood, and what was done about it."""
+    if not found["significant"]:
+        done = "within their uncertainty: not corrected"
+    else:
+        done = "corrected" if corrected else "not corrected: --align does"
+    parts = [
+        f"{name} {found[key]:.3f} ± {2 * found[f'u_{key}']:.3f} deg"
+        for name, key in (
+            ("tilt about x", "tilt_x"),
+            ("about y", "tilt_y"),
+            ("azimuth offset", "azimuth"),
+        )
+    ]
+    return f"{', '.join(parts)} (k = 2; {done})"
