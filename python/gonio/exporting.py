@@ -318,14 +318,15 @@ def _of_channel(measurement: Measurement, channel: str | None) -> Measurement:
     """The slices of one channel with everything else of the measurement."""
     if channel is None:
         return measurement
-    slices = [s for s in measurement.slices if s.channel == channel]
+    wanted = {channel, f"{channel}nm"}
+    slices = [s for s in measurement.slices if s.channel in wanted]
     if not slices:
         raise QuantityError(f"channel: found {channel}, needed one of {', '.join(measurement.channels)}")
     return Measurement(
         slices,
         sample_name=measurement.sample_name,
         signature_fwhm=measurement.signature_fwhm,
-        resolutions=[r for r in measurement.resolutions if r.channel == channel],
+        resolutions=[r for r in measurement.resolutions if r.channel in wanted],
         warnings=measurement.warnings,
         provenance=measurement.provenance,
         findings=measurement.findings,

@@ -72,7 +72,7 @@ def test_a_material_is_a_model_of_three_channels():
     for channel, albedo in zip(model.channels, (0.8, 0.4, 0.2), strict=True):
         f = model.eval(theta_i=20, phi_i=0, theta_s=[10.0, 70.0, 110.0], phi_s=50, channel=channel)
         np.testing.assert_allclose(f, [albedo / np.pi, albedo / np.pi, 0.0], rtol=1e-12)
-    with pytest.raises(gonio.QuantityError, match="channel: found none, needed one of red, green, blue"):
+    with pytest.raises(gonio.QuantityError, match="found none, needed one of red, green, blue"):
         model.eval(theta_i=20, phi_i=0, theta_s=10, phi_s=50)
 
 

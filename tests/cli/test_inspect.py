@@ -38,7 +38,7 @@ def test_inspect_names_sample_instrument_and_azimuths_and_asks_for_a_dark(run, t
     scan = gonio.Scan(theta_i=30, phi_i=0, theta_s=[1, 2], phi_s=[3, 40], value=[1, 2], meta=meta)
     gonio.Readings([scan]).save(tmp_path / "a.txt")
     done = run("inspect", "a.txt")
-    for text in ("1 record)", "sample half white", "instrument bench 2", "phi_s 3 to 40"):
+    for text in ("1 record; angles in deg", "sample half white", "instrument bench 2", "phi_s 3 to 40"):
         assert text in done.out
     assert "--dark of gonio process" in done.err
 

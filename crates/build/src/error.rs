@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BuildError {
     /// A measurement without any slice of the wanted channel.
-    #[error("channel: found {found}, allowed one of the measured channels: {allowed}")]
+    #[error("channel (--channel): found {found}, allowed one of the measured channels: {allowed}")]
     Channel {
         /// The channel asked for, or "none" when the measurement has several and none was named.
         found: String,

@@ -129,7 +129,8 @@ pub fn detect(bytes: &[u8], path: &Path) -> Result<Format, IoError> {
         str::to_string,
     );
     let allowed = format!(
-        "{}, rt300s, bird-json and parquet (Python package); state the format of a table, and its columns",
+        "{}, rt300s, bird-json and parquet (Python package); state the format of a table, its columns and its quantity \
+         (--format table --column value=NAME --column theta_i=NAME --quantity bsdf)",
         names()
     );
     unknown(kind, &allowed)

@@ -19,19 +19,28 @@ pub(crate) struct Bsdf(pub(crate) Arc<dyn core::Bsdf>);
 impl Bsdf {
     /// Position of `channel`; without one the model must have a single channel.
     pub(crate) fn channel_index(&self, channel: Option<&str>) -> PyResult<usize> {
-        let names: Vec<String> = self.0.channels().iter().map(ToString::to_string).collect();
+        let there = self.0.channels();
+        let names = || {
+            there
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
         match channel {
-            None if names.len() == 1 => Ok(0),
+            None if there.len() == 1 => Ok(0),
             None => Err(QuantityError::new_err(format!(
-                "channel: found none, needed one of {}",
-                names.join(", ")
+                "channel (--channel): found none, needed one of {}",
+                names()
             ))),
-            Some(name) => names.iter().position(|n| n == name).ok_or_else(|| {
-                QuantityError::new_err(format!(
-                    "channel: found {name:?}, needed one of {}",
-                    names.join(", ")
-                ))
-            }),
+            // "532" and "532nm" are one channel, as where files are read.
+            Some(name) => name
+                .parse::<core::Channel>()
+                .ok()
+                .and_then(|wanted| there.iter().position(|c| *c == wanted))
+                .ok_or_else(|| {
+                    QuantityError::new_err(format!("channel: found {name:?}, needed one of {}", names()))
+                }),
         }
     }
 }

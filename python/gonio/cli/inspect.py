@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -61,7 +62,7 @@ def _show(file: FileSummary) -> None:
         held = _count(len(rows), "material")
     elif file.model is None:
         rows = [_row(record) for record in file.records]
-        held = _count(len(rows), "record")
+        held = f"{_count(len(rows), 'record')}; {_units(file.records)}"
     else:
         rows = [_component(c) for c in file.model.components]
         held = _count(len(rows), "component")
@@ -76,6 +77,13 @@ def _show(file: FileSummary) -> None:
     for row in rows:
         line = "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True))
         out.print(f"  {line.rstrip()}")
+
+
+def _units(records: Sequence[RecordSummary]) -> str:
+    """What the numbers of the rows are in."""
+    quantities = dict.fromkeys(r.quantity for r in records)
+    of = {"signal": "as read", "reflectance_factor": "no unit"}
+    return ", ".join(["angles in deg", *(f"{q} {of.get(q, 'in 1/sr')}" for q in quantities)])
 
 
 def _count(number: int, noun: str) -> str:

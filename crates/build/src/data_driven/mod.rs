@@ -182,6 +182,7 @@ impl DataDriven {
             warnings: unscattered.into_iter().chain(azimuth.note).chain(notes).collect(),
         };
         let mut most = 0;
+        let mut missing = Vec::new();
         for (side, component) in FourComponents::<Part>::KEYS {
             let built = builder::part(&slices, &copied, side, component, azimuth.isotropic, options)?;
             let Some(Built {
@@ -194,9 +195,7 @@ impl DataDriven {
                 notes,
             }) = built
             else {
-                model.warnings.push(format!(
-                    "{side} {component} was not measured: the model answers 0 there"
-                ));
+                missing.push(format!("{side} {component}"));
                 continue;
             };
             most = most.max(part.nodes().len());
@@ -211,6 +210,12 @@ impl DataDriven {
             model.bases.set(side, component, base);
             model.errors.set(side, component, Some(errors));
             model.local.set(side, component, Some(local));
+        }
+        if !missing.is_empty() {
+            model.warnings.push(format!(
+                "not measured, the model answers 0 there: {}",
+                missing.join(", ")
+            ));
         }
         if most < LEAST_INCIDENCES {
             return Err(BuildError::TooFewIncidences {

@@ -91,6 +91,7 @@ pub(super) fn check(slices: &[Slice], aligned: bool) -> Verdict {
         let best = [rotation, plane, mirror_x, mirror_y]
             .into_iter()
             .flatten()
+            .filter(|s| !s.holds())
             .min_by(|a, b| a.difference.total_cmp(&b.difference));
         (
             Level::Warn,
