@@ -246,6 +246,7 @@ impl Job<'_> {
             .par_iter()
             .map(|p| LocalError::new(&p.surfaces, bilateral, p.common()))
             .collect();
+        let spacings: Vec<f64> = piles.par_iter().map(Pile::spacing).collect();
         drop(piles);
         if all.len() == 1 {
             notes.push(format!(
@@ -326,6 +327,7 @@ impl Job<'_> {
                 .zip(&slice_errors)
                 .map(|(h, e)| (h.node.incidence, e.total()))
                 .collect(),
+            spacings: spacings.clone(),
             reciprocity: contest.reciprocity(),
             exchange: beyond_rule.exchange,
             bilateral,
@@ -340,7 +342,7 @@ impl Job<'_> {
         let part = Part::new(nodes, symmetry, rule, beyond_rule);
         if share == Share::All {
             let label = format!("{side} {component}");
-            notes.extend(unknowable::notes(&label, &all, &slice_errors, &part));
+            notes.extend(unknowable::notes(&label, &all, (&slice_errors, &spacings), &part));
             if let Some(last) = all.last()
                 && isotropic
             {

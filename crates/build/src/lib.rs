@@ -24,6 +24,7 @@ mod readings;
 mod reciprocity;
 mod sampling;
 mod smoothing;
+mod spacing;
 mod stated;
 mod table;
 mod triangulated;

@@ -12,6 +12,7 @@ use crate::lobes::{Lobes, find};
 use crate::plane::{from_plane, to_plane};
 use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
+use crate::spacing::spacing;
 use crate::symmetry::{Incidence, SAME_THETA, half_measured, polar};
 
 /// Fewest readings of a slice.
@@ -122,6 +123,11 @@ impl Pile<'_> {
             surface.fill(readings, smooth, joint.clone());
         }
         error
+    }
+
+    /// Distance of its readings over the narrow half width of the slice, the largest of its surfaces.
+    pub(crate) fn spacing(&self) -> f64 {
+        self.surfaces.iter().map(spacing).fold(0.0, f64::max)
     }
 
     /// Error of its mean slice between readings.

@@ -30,6 +30,9 @@ const MISSED: f64 = 0.55;
 /// The fall-off is used where it leaves at most this share of the base's distance from the readings.
 const GAIN: f64 = 0.6;
 
+/// Most that the centre rises above the first ring (logarithm).
+const MOST_RISE: f64 = 0.3;
+
 /// First steps of the search, in centre (radians) and logarithm of stretch, and how often they are halved.
 const FIRST: [f64; 3] = [0.003, 0.003, 0.2];
 const HALVED: usize = 4;
@@ -193,11 +196,11 @@ impl Profile {
         let (mut radii, mut values) = (Vec::new(), Vec::new());
         let (mut sums, mut count, mut first) = ([0.0; 2], 0, 0.0);
         for (r, reading) in order.iter().take_while(|(r, _)| *r <= BLENDED * foot) {
-            sums = [sums[0] + r, sums[1] + reading.value];
+            sums = [sums[0] + r * r, sums[1] + reading.value];
             count += 1;
             if count >= READINGS && r - first >= width {
                 let n = count as f64;
-                radii.push(sums[0] / n);
+                radii.push((sums[0] / n).sqrt());
                 values.push((sums[1] / n).max(f64::MIN_POSITIVE).ln());
                 (sums, count, first) = ([0.0; 2], 0, *r);
             }
@@ -233,11 +236,14 @@ impl Profile {
         (share * (self.ln(r) - base().ln())).exp()
     }
 
-    /// Logarithm of the mean BSDF at distance `r`; constant beyond both ends of the table.
+    /// Logarithm of the mean BSDF at distance `r`: within the first ring a parabola through the first two, where they rise
+    /// towards the centre; constant beyond the last.
     fn ln(&self, r: f64) -> f64 {
         let k = self.radii.partition_point(|s| *s <= r);
         if k == 0 {
-            return self.values[0];
+            let [inner, outer] = [self.radii[0], self.radii[1]].map(|r| r * r);
+            let rise = (self.values[0] - self.values[1]) / (outer - inner).max(f64::MIN_POSITIVE);
+            return self.values[0] + (rise * (inner - r * r)).clamp(0.0, MOST_RISE);
         }
         if k == self.radii.len() {
             return self.values[k - 1];
@@ -314,6 +320,29 @@ mod tests {
             let ratio = found.at(p, || 1.0) / disk(i, 0.6, p);
             assert!((ratio - 1.0).abs() < 0.05, "{y}: {ratio}");
         }
+    }
+
+    #[test]
+    fn the_top_of_a_lobe_of_few_readings_is_not_cut_off() {
+        let i = Direction::from_degrees(40.0, 180.0).vec();
+        let frame = Frame::new(i);
+        let width = f64::to_radians(3.0);
+        let lobe = |s: DVec3| 0.05 + 20.0 * (-(radius(&[0.0; 3], frame.at(s)) / width).powi(2)).exp();
+        // Readings some 1.2 degrees apart: the first ring holds those within a degree of the centre.
+        let golden = std::f64::consts::PI * (1.0 + 5f64.sqrt());
+        let directions: Vec<DVec3> = (0..300)
+            .map(|k| {
+                let r = f64::to_radians(0.68) * (f64::from(k) + 0.5).sqrt();
+                let (s, c) = (golden * f64::from(k)).sin_cos();
+                (frame.centre + frame.along * (r * c) + frame.across * (r * s)).normalize()
+            })
+            .collect();
+        let points: Vec<Point> = directions.iter().map(|&s| to_plane(s)).collect();
+        let value: Vec<f64> = directions.iter().map(|&s| lobe(s)).collect();
+        let n = points.len();
+        let found = Profile::new(i, &points, &value, &vec![0.05; n], &vec![1e-4; n]).unwrap();
+        let top = 0.05 * found.at(to_plane(frame.centre), || 0.05);
+        assert!((top / 20.05 - 1.0).abs() < 0.01, "{top}");
     }
 
     #[test]

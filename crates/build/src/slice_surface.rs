@@ -202,13 +202,32 @@ impl SliceSurface {
     /// Solid angle of each reading: a third of the measured triangles around it.
     pub(crate) fn solid_angles(&self) -> Vec<f64> {
         let mut omega = vec![0.0; self.readings];
-        for t in (0..self.mesh.triangles().len()).filter(|&t| self.is_measured(t)) {
+        for t in self.measured_triangles() {
             let third = self.solid_angle(t) / 3.0;
             for corner in self.mesh.triangles()[t] {
                 omega[corner as usize] += third;
             }
         }
         omega
+    }
+
+    /// What the values are divided by at points of the plane; `None` where they are divided by nothing.
+    pub(crate) fn divisors(&self, points: &[Point]) -> Option<Vec<f64>> {
+        let mut level = self
+            .divisor
+            .as_ref()?
+            .eval_all(points.iter().map(|&p| from_plane(p)));
+        if let Some(profile) = &self.profile {
+            for (m, &p) in level.iter_mut().zip(points) {
+                *m *= profile.at(p, || *m);
+            }
+        }
+        Some(level)
+    }
+
+    /// The triangles between readings that count as measured.
+    pub(crate) fn measured_triangles(&self) -> impl Iterator<Item = usize> {
+        (0..self.mesh.triangles().len()).filter(|&t| self.is_measured(t))
     }
 
     /// The mesh.

@@ -12,6 +12,10 @@ use crate::symmetry::polar;
 /// Error between readings (relative L1) from which a slice is called undersampled.
 const UNDERSAMPLED: f64 = 0.02;
 
+/// Distance of readings in half widths (1/e) of a lobe from which they undersample it, however well a base fills the gaps between
+/// them: what scans are planned by.
+const APART: f64 = 0.5;
+
 /// Factor between a slice and its neighbour's prediction of it from which light counts as not there.
 const GONE: f64 = 5.0;
 
@@ -44,7 +48,12 @@ pub(crate) fn last_gap(label: &str, interior: &[LooError], last: f64) -> Option<
 }
 
 /// What to say about slices with too few readings, and about lobes that are there at one incidence and not at the next.
-pub(crate) fn notes(label: &str, all: &[Held], slices: &[SliceError], part: &Part) -> Vec<String> {
+pub(crate) fn notes(
+    label: &str,
+    all: &[Held],
+    (slices, spacings): (&[SliceError], &[f64]),
+    part: &Part,
+) -> Vec<String> {
     let mut notes = Vec::new();
     let theta = |node: &Arc<Node>| node.direction.z.clamp(-1.0, 1.0).acos().to_degrees();
     let coarse: Vec<usize> = (0..all.len()).filter(|&k| slices[k].gap > UNDERSAMPLED).collect();
@@ -60,18 +69,41 @@ pub(crate) fn notes(label: &str, all: &[Held], slices: &[SliceError], part: &Par
             theta(&all[worst].node),
             100.0 * slices[worst].gap
         ));
+    } else {
+        let sparse = || (0..all.len()).filter(|&k| spacings[k] > APART);
+        if let Some(worst) = sparse().max_by(|&a, &b| spacings[a].total_cmp(&spacings[b])) {
+            notes.push(format!(
+                "{label}: undersampled, readings lie more than half of the peak's narrow half width apart at {} of {} incidences, worst \
+                 at theta_i {:.1} deg ({:.1} half widths): between them the shape of the fitted model is taken for that of the \
+                 sample",
+                sparse().count(),
+                all.len(),
+                theta(&all[worst].node),
+                spacings[worst]
+            ));
+        }
     }
     let mut switched: Option<(f64, usize, usize)> = None;
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
     for (a, b) in part.layout().pairs() {
         let share = unlike(part, all, a, b);
+        if share > SWITCHED {
+            pairs.push((a.node.min(b), a.node.max(b)));
+        }
         if share > switched.map_or(SWITCHED, |s| s.0) {
             switched = Some((share, a.node.min(b), a.node.max(b)));
         }
     }
     if let Some((share, a, b)) = switched {
+        pairs.sort_unstable();
+        pairs.dedup();
+        let more = match pairs.len() - 1 {
+            0 => String::new(),
+            n => format!(", and of {n} more pairs of neighbours"),
+        };
         notes.push(format!(
             "{label}: between theta_i {:.1} and {:.1} deg {:.0} % of the light appears, vanishes or moves by more than a \
-             lobe's width: what happens between them is not known",
+             lobe's width: what happens between them{more} is not known",
             theta(&all[a].node),
             theta(&all[b].node),
             100.0 * share

@@ -101,9 +101,14 @@ fn error(truth: &dyn Bsdf, model: &DataDriven, wi: Direction, component: Compone
 }
 
 fn elliptic(phi_x: f64) -> Sum {
+    ridge(0.12, phi_x)
+}
+
+/// A lobe `alpha_x` by 0.3 whose x axis has azimuth `phi_x` (degrees).
+fn ridge(alpha_x: f64, phi_x: f64) -> Sum {
     let grey = |v| Spectrum::photopic("rho", v).unwrap();
-    let lobe =
-        Analytic::<WardGmd>::new(&[(Channel::Photopic, vec![0.3, 0.12, 0.3, phi_x.to_radians()])]).unwrap();
+    let values = vec![0.3, alpha_x, 0.3, phi_x.to_radians()];
+    let lobe = Analytic::<WardGmd>::new(&[(Channel::Photopic, values)]).unwrap();
     Sum::new(vec![
         Box::new(Lambert::reflection(&grey(0.3)).unwrap()),
         Box::new(lobe),
@@ -151,6 +156,27 @@ fn a_quarter_of_the_azimuths_is_enough_where_both_mirror_planes_show() {
     for (theta, phi) in [(30.0, 15.0), (50.0, 130.0), (30.0, 220.0), (50.0, 320.0)] {
         let off = error(&truth, &model, Direction::from_degrees(theta, phi), Reflection);
         assert!(off < 0.01, "{theta} {phi}: {off}");
+    }
+}
+
+#[test]
+fn readings_too_far_apart_for_a_ridge_are_told_though_a_base_of_its_own_family_fills_the_gaps() {
+    // Readings 2.3 degrees apart, 0.8 about the mirror direction; the ridge is 2.3 degrees wide (1/e, half), or 13.7.
+    for (alpha_x, told) in [(0.02, true), (0.12, false)] {
+        let truth = ridge(alpha_x, 0.0);
+        let data = read(
+            &truth,
+            &incidences(&[0.0, 30.0, 60.0, 90.0]),
+            Reflection,
+            &[(25.0, 3000)],
+        );
+        let model = built(&data, None);
+        let off = error(&truth, &model, Direction::from_degrees(30.0, 15.0), Reflection);
+        assert!(off < 0.02, "the base knows the ridge: {off}");
+        let said = model.warnings().iter().any(|w| w.contains("undersampled"));
+        let spacings = &model.summary()[0].spacings;
+        assert_eq!(said, told, "{spacings:?}");
+        assert_eq!(spacings.iter().any(|s| *s > 0.5), told, "{spacings:?}");
     }
 }
 

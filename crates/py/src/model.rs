@@ -49,7 +49,8 @@ impl DataDriven {
 
     /// How each side and component was built: side, component, incidences, readings, table_values, bilateral, symmetry,
     /// reciprocity (relative L1 difference of exchanged readings, or None), exchange (whether that is used past the
-    /// measured incidences), slices (theta_i, phi_i and the relative L1 error of each), candidate, base (its parametric
+    /// measured incidences), slices (theta_i, phi_i, the relative L1 error of each, and the
+    /// spacing of its readings in narrow half widths of its lobe), candidate, base (its parametric
     /// model, or None), beyond and beyond_base (the same past the measured incidences), scores (mean relative L1 of every
     /// candidate by name), peak (None, or of a narrow peak taken apart: radius in degrees, shares as (theta_i, phi_i, share of
     /// the incident light), candidate, base).
@@ -82,12 +83,14 @@ impl DataDriven {
                     PyResult::Ok(peak)
                 });
                 dict.set_item("peak", peak.transpose()?)?;
-                let slices = s.slice_errors.iter().map(|(incidence, error)| {
+                let slices = s.slice_errors.iter().zip(&s.spacings);
+                let slices = slices.map(|((incidence, error), spacing)| {
                     let slice = PyDict::new(py);
                     let (theta_i, phi_i) = incidence.to_degrees();
                     slice.set_item("theta_i", theta_i)?;
                     slice.set_item("phi_i", phi_i)?;
                     slice.set_item("error", error)?;
+                    slice.set_item("spacing", spacing)?;
                     Ok(slice)
                 });
                 dict.set_item("slices", slices.collect::<PyResult<Vec<_>>>()?)?;

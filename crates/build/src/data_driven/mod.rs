@@ -90,6 +90,9 @@ pub struct PartSummary {
     pub table_values: usize,
     /// Error of each slice between and at its readings (noise left after smoothing, interpolation); relative L1 of the DSF.
     pub slice_errors: Vec<(Angles, f64)>,
+    /// Distance of the readings of each slice over the narrow half width (1/e) of its lobe, as its base or its own fall-off shows
+    /// it; 0 where there is neither. Readings more than half a width apart undersample the lobe.
+    pub spacings: Vec<f64>,
     /// Relative L1 difference of readings with source and receiver exchanged; `None` where none can be compared.
     pub reciprocity: Option<f64>,
     /// Whether source and receiver are exchanged past the measured incidences.

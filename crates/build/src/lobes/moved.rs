@@ -1,12 +1,14 @@
 //! The lobes of the incidences around a query, moved to where they stand at the query.
 //!
-//! Every tracked lobe keeps its shape up to an affine map: the centre follows its law with the residual interpolated, the
-//! root of the covariance and the logarithm of the mass are interpolated. What belongs to no lobe stays where it is.
+//! Every tracked lobe keeps its shape up to an affine map: how far its centre lies off its law, the root of its covariance and the
+//! logarithm of its mass follow a local cubic or parabola through the incidences that have it, or the weights of the neighbours
+//! where these incidences do not surround the query. What belongs to no lobe stays where it is.
 
 use std::sync::Arc;
 
 use gonio_geom::DVec3;
 
+use super::tracks::Smooth;
 use super::{Lobe, Symmetric, Tracks};
 use crate::layout::Near;
 use crate::node::Node;
@@ -64,15 +66,24 @@ impl Moved {
             let mean = |f: &dyn Fn(&Lobe, DVec3) -> f64| -> f64 {
                 sources.iter().map(|s| s.1 * f(s.2, s.3)).sum::<f64>() / there
             };
-            let law_here = tracks.centre(law, i);
-            let residual = |axis: usize| mean(&|l, at| l.centre[axis] - tracks.centre(law, at)[axis]);
-            let centre = [law_here[0] + residual(0), law_here[1] + residual(1)];
-            let root = Symmetric {
-                xx: mean(&|l, _| l.covariance.root().xx),
-                xy: mean(&|l, _| l.covariance.root().xy),
-                yy: mean(&|l, _| l.covariance.root().yy),
-            };
-            let mass = mean(&|l, _| l.mass().max(f64::MIN_POSITIVE).ln()).exp();
+            let Smooth {
+                centre,
+                root,
+                ln_mass,
+            } = tracks.smooth(law, i).unwrap_or_else(|| {
+                let law_here = tracks.centre(law, i);
+                let residual = |axis: usize| mean(&|l, at| l.centre[axis] - tracks.centre(law, at)[axis]);
+                Smooth {
+                    centre: [law_here[0] + residual(0), law_here[1] + residual(1)],
+                    root: Symmetric {
+                        xx: mean(&|l, _| l.covariance.root().xx),
+                        xy: mean(&|l, _| l.covariance.root().xy),
+                        yy: mean(&|l, _| l.covariance.root().yy),
+                    },
+                    ln_mass: mean(&|l, _| l.mass().max(f64::MIN_POSITIVE).ln()),
+                }
+            });
+            let mass = ln_mass.exp();
             let inverse = root.determinant().recip();
             let back = Symmetric {
                 xx: inverse * root.yy,

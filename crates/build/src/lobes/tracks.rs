@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use gonio_geom::DVec3;
 
-use super::Lobe;
+use super::{Lobe, Symmetric};
 use crate::images::Image;
 use crate::layout::Neighbour;
 use crate::linear::solve;
 use crate::node::Node;
+use crate::plane::Point;
 use crate::triangulated::Placed;
-use crate::weights::to_incidence_plane;
+use crate::weights::{cubic, quadratic, to_incidence_plane};
 
 /// Coefficients of a cubic of two variables.
 const TERMS: usize = 10;
@@ -28,6 +29,11 @@ const WITHIN: [f64; 5] = [20.0, 35.0, 50.0, 65.0, 90.0];
 const BELONGS: [f64; 4] = [0.12, 0.2, 0.3, 0.3];
 const LAST: f64 = 0.2;
 
+/// How far what is interpolated may leave the values it is made of, in units of their range; and how round the root of a
+/// covariance is at least.
+const PAST: f64 = 0.5;
+const LEAST_ROUND: f64 = 1e-3;
+
 /// The lobes of a measured incidence or its image.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracked {
@@ -35,6 +41,25 @@ pub(crate) struct Tracked {
     pub(crate) lobes: Vec<Lobe>,
     /// The position of each tracked lobe; `None` where it is not there.
     pub(crate) which: Vec<Option<usize>>,
+}
+
+/// What a tracked lobe is at one place: its centre off its law, the root of its covariance, the logarithm of its mass.
+type Shape = [f64; 6];
+
+/// A tracked lobe wherever it was found.
+#[derive(Clone, Debug, Default)]
+struct Track {
+    /// In the plane of incidences.
+    points: Vec<Point>,
+    shapes: Vec<Shape>,
+}
+
+/// A lobe as its neighbours in incidence say.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smooth {
+    pub(crate) centre: [f64; 2],
+    pub(crate) root: Symmetric,
+    pub(crate) ln_mass: f64,
 }
 
 /// The tracked lobes of all incidences.
@@ -45,6 +70,8 @@ pub(crate) struct Tracks {
     laws: Vec<[[f64; TERMS]; 2]>,
     /// By incidence and image.
     places: Vec<[Tracked; 4]>,
+    /// By law.
+    tracks: Vec<Track>,
 }
 
 /// A lobe of a place, on the search for its law.
@@ -132,7 +159,17 @@ impl Tracks {
                 which[law] = Some(s.lobe);
             }
         }
-        Some(Tracks { laws, places })
+        let mut tracks = vec![Track::default(); laws.len()];
+        for p in placed {
+            let tracked = &places[p.node][p.image.index()];
+            for ((track, which), law) in tracks.iter_mut().zip(&tracked.which).zip(&laws) {
+                if let Some(lobe) = which.and_then(|k| tracked.lobes.get(k)) {
+                    track.points.push(to_incidence_plane(p.direction));
+                    track.shapes.push(shape(lobe, centre(law, p.direction)));
+                }
+            }
+        }
+        Some(Tracks { laws, places, tracks })
     }
 
     /// Number of lobes that are tracked.
@@ -146,13 +183,47 @@ impl Tracks {
         &self.places[k.node][k.image.index()]
     }
 
+    /// A tracked lobe at incidence `i` by a local cubic, or parabola, through the incidences that have it; `None` where these
+    /// do not surround it well enough.
+    pub(crate) fn smooth(&self, law: usize, i: DVec3) -> Option<Smooth> {
+        let Track { points, shapes } = &self.tracks[law];
+        let p = to_incidence_plane(i);
+        let of = |weights: &[(usize, f64)]| -> Shape {
+            std::array::from_fn(|a| {
+                let each = weights.iter().map(|&(k, w)| (w, shapes[k][a]));
+                let (sum, low, high) = each.fold(
+                    (0.0, f64::INFINITY, f64::NEG_INFINITY),
+                    |(sum, low, high), (w, v)| (sum + w * v, low.min(v), high.max(v)),
+                );
+                let margin = PAST * (high - low);
+                sum.clamp(low - margin, high + margin)
+            })
+        };
+        let [x, y, xx, xy, yy, ln_mass] = match cubic(points, p) {
+            Some(weights) => of(&weights),
+            None => of(quadratic(points, p)?.as_slice()),
+        };
+        let root = Symmetric { xx, xy, yy };
+        let positive = xx > 0.0 && yy > 0.0 && root.determinant() > LEAST_ROUND * xx * yy;
+        let law = self.centre(law, i);
+        positive.then_some(Smooth {
+            centre: [law[0] + x, law[1] + y],
+            root,
+            ln_mass,
+        })
+    }
+
     /// Where the law of a lobe puts its centre at incidence `i`, direction cosines.
     pub(crate) fn centre(&self, law: usize, i: DVec3) -> [f64; 2] {
-        let m = [-i.x, -i.y];
-        let terms = terms(m);
-        let [x, y] = self.laws[law].map(|c| dot(&c, &terms));
-        [m[0] + x, m[1] + y]
+        centre(&self.laws[law], i)
     }
+}
+
+fn centre(law: &[[f64; TERMS]; 2], i: DVec3) -> [f64; 2] {
+    let m = [-i.x, -i.y];
+    let terms = terms(m);
+    let [x, y] = law.map(|c| dot(&c, &terms));
+    [m[0] + x, m[1] + y]
 }
 
 impl Image {
@@ -161,6 +232,18 @@ impl Image {
         let [x, y] = self.of_point([1.0, 1.0]);
         usize::from(x < 0.0) + 2 * usize::from(y < 0.0)
     }
+}
+
+fn shape(lobe: &Lobe, law: [f64; 2]) -> Shape {
+    let root = lobe.covariance.root();
+    [
+        lobe.centre[0] - law[0],
+        lobe.centre[1] - law[1],
+        root.xx,
+        root.xy,
+        root.yy,
+        lobe.mass().max(f64::MIN_POSITIVE).ln(),
+    ]
 }
 
 fn terms([x, y]: [f64; 2]) -> [f64; TERMS] {

@@ -1,15 +1,17 @@
-//! Moving least squares with parabolas over the nearest points \[LancasterSalkauskas1981\].
+//! Moving least squares with parabolas or cubics over the nearest points \[LancasterSalkauskas1981\].
 
 use crate::linear::solve;
 use crate::plane::Point;
 
 use super::Weights;
 
-/// Points that take part.
+/// Points that take part in a parabola and in a cubic.
 const NEAREST: usize = 12;
+const NEAREST_CUBIC: usize = 18;
 
-/// Coefficients of a parabola.
+/// Coefficients of a parabola and of a cubic.
 const TERMS: usize = 6;
+const TERMS_CUBIC: usize = 10;
 
 /// Largest sum of absolute weights: beyond it noise and model errors are amplified too much.
 const LARGEST: f64 = 3.5;
@@ -17,6 +19,41 @@ const LARGEST: f64 = 3.5;
 /// Weights at `p` that reproduce every parabola through `points`; `None` with fewer than twelve of them, or where they
 /// would amplify errors.
 pub(crate) fn quadratic(points: &[Point], p: Point) -> Option<Weights> {
+    let mut weights = Weights::NONE;
+    for (k, w) in polynomial::<TERMS, NEAREST>(points, p)? {
+        weights.add(k, w);
+    }
+    Some(weights)
+}
+
+/// Weights at `p` that reproduce every cubic through `points`; `None` with fewer than eighteen of them, or where they would
+/// amplify errors.
+pub(crate) fn cubic(points: &[Point], p: Point) -> Option<[(usize, f64); NEAREST_CUBIC]> {
+    polynomial::<TERMS_CUBIC, NEAREST_CUBIC>(points, p)
+}
+
+/// The first monomials of an offset, by order.
+fn monomials<const N: usize>(x: f64, y: f64) -> [f64; N] {
+    let all = [
+        1.0,
+        x,
+        y,
+        x * x,
+        y * y,
+        x * y,
+        x * x * x,
+        y * y * y,
+        x * x * y,
+        x * y * y,
+    ];
+    std::array::from_fn(|k| all[k])
+}
+
+/// Weights of the `NEAREST` points that reproduce every polynomial of `TERMS` terms.
+fn polynomial<const TERMS: usize, const NEAREST: usize>(
+    points: &[Point],
+    p: Point,
+) -> Option<[(usize, f64); NEAREST]> {
     let mut nearest = [(f64::INFINITY, 0usize); NEAREST];
     if points.len() < NEAREST {
         return None;
@@ -35,7 +72,7 @@ pub(crate) fn quadratic(points: &[Point], p: Point) -> Option<Weights> {
     let mut normal = [[0.0; TERMS]; TERMS];
     for (m, (d2, k)) in nearest.iter().enumerate() {
         let (x, y) = ((points[*k][0] - p[0]) / reach, (points[*k][1] - p[1]) / reach);
-        rows[m] = [1.0, x, y, x * x, y * y, x * y];
+        rows[m] = monomials(x, y);
         let d = d2.sqrt() / reach;
         let tricube = (1.0 - d * d * d).powi(3);
         // Infinite at a point: there the weights are that point's alone.
@@ -49,11 +86,11 @@ pub(crate) fn quadratic(points: &[Point], p: Point) -> Option<Weights> {
     let mut first = [0.0; TERMS];
     first[0] = 1.0;
     let solution = solve(normal, first)?;
-    let mut weights = Weights::NONE;
+    let mut weights = [(0, 0.0); NEAREST];
     let (mut sum, mut size) = (0.0, 0.0);
     for (m, (_, k)) in nearest.iter().enumerate() {
         let w = importance[m] * rows[m].iter().zip(&solution).map(|(a, b)| a * b).sum::<f64>();
-        weights.add(*k, w);
+        weights[m] = (*k, w);
         sum += w;
         size += w.abs();
     }
@@ -78,6 +115,21 @@ mod tests {
             assert!(w.as_slice().iter().map(|w| w.1.abs()).sum::<f64>() <= LARGEST);
         }
         assert!(answered > 40, "{answered}");
+    }
+
+    #[test]
+    fn cubics_are_reproduced_where_the_weights_are_tame() {
+        let points = grid();
+        let f = |p: Point| 0.2 + p[0] * p[1] - p[1] * p[1] + 2.0 * p[0].powi(3) - p[0] * p[1] * p[1];
+        let mut answered = 0;
+        for p in queries() {
+            let Some(w) = cubic(&points, p) else { continue };
+            answered += 1;
+            let value: f64 = w.iter().map(|(k, w)| w * f(points[*k])).sum();
+            assert!((value - f(p)).abs() < 1e-6, "{p:?}: {value} {}", f(p));
+        }
+        assert!(answered > 40, "{answered}");
+        assert!(cubic(&points[..17], [0.0, 0.1]).is_none());
     }
 
     #[test]
