@@ -28,6 +28,7 @@ CANDIDATES = tuple(
         "tracked lobes",
         "mirror-frame",
         "naive",
+        "displaced light",
     )
     for suffix in ("", ", cubic", ", quadratic")
 )

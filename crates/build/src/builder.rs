@@ -6,7 +6,7 @@ use gonio_geom::{Component, DVec3, Side};
 use gonio_scan::Slice;
 use rayon::prelude::*;
 
-use crate::across::{Candidate, Method, Order};
+use crate::across::{Candidate, Order};
 use crate::base::{Divisor, Fitting, Picked, bases, orders};
 use crate::built::Built;
 use crate::choice::{Contest, PEAK_TIE, TIE, best};
@@ -266,7 +266,7 @@ impl Job<'_> {
             .map_or(Candidate::ALL.to_vec(), |c| vec![c])
             .into_iter()
             .filter(|c| !c.method.needs_base() || !contest.bases.is_empty())
-            .filter(|c| c.method != Method::Tracked || share == Share::All)
+            .filter(|c| !c.method.is_last_resort() || share == Share::All)
             .collect();
         let higher = if isotropic { Order::Cubic } else { Order::Quadratic };
         let within = contest.run(&list, options.candidate.is_none().then_some(higher), false);

@@ -31,7 +31,7 @@ const CLEARLY: f64 = 1.0 / 3.0;
 /// Exchange of source and receiver is used where it lowers the error by this factor.
 const GAIN: f64 = 0.95;
 
-/// Lobes are followed where no other candidate has a smaller mean error.
+/// Lobes are followed, and light is displaced, where no other candidate has a smaller mean error.
 const WELL: f64 = 0.03;
 
 /// How many of the linear candidates are tried with a higher order too.
@@ -178,11 +178,12 @@ impl<'a> Contest<'a> {
     pub(crate) fn run(&self, list: &[Candidate], higher: Option<Order>, beyond: bool) -> Vec<Tried> {
         let mut tried: Vec<Tried> = Vec::new();
         for &candidate in list {
-            if candidate.method == Method::Tracked {
-                // Followed where nothing else predicts well; never past the data, nor without axes.
+            if candidate.method.is_last_resort() {
+                // Where nothing else predicts well; never past the data. Lobes are followed over axes only.
                 let least = tried.iter().filter(|t| !t.errors.is_empty()).map(Tried::mean);
                 let well = least.fold(f64::INFINITY, f64::min) < WELL && list.len() > 1;
-                if well || beyond || self.symmetry.is_isotropic() {
+                let tracked = candidate.method == Method::Tracked;
+                if well || beyond || (tracked && self.symmetry.is_isotropic()) {
                     continue;
                 }
             }
@@ -201,7 +202,7 @@ impl<'a> Contest<'a> {
         }
         if let Some(order) = higher {
             let mut places: Vec<usize> = (0..tried.len())
-                .filter(|&k| !tried[k].errors.is_empty() && tried[k].candidate.method != Method::Tracked)
+                .filter(|&k| !tried[k].errors.is_empty() && !tried[k].candidate.method.is_last_resort())
                 .collect();
             places.sort_by(|&a, &b| tried[a].mean().total_cmp(&tried[b].mean()));
             let more: Vec<Tried> = places

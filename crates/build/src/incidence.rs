@@ -188,6 +188,13 @@ impl Part {
             base: rule.base.as_ref(),
         };
         let way = rule.candidate.way();
+        let mut views = about.near.iter().map(|k| View {
+            node: &self.nodes[k.node],
+            neighbour: k,
+        });
+        if let Some(value) = way.together(&query, &mut views) {
+            return value.max(0.0);
+        }
         let mut terms = [0.0; MOST_TERMS];
         for (term, &frame) in way.frames().iter().enumerate() {
             let read = |k: &Neighbour, frame: Frame| {

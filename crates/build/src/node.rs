@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use gonio_geom::{Angles, DVec3};
 
+use crate::across::Quantiles;
 use crate::base::{Base, Divisor, Picked};
 use crate::lobes::{Lobe, find};
 use crate::plane::{Point, from_plane, to_plane};
@@ -47,6 +48,7 @@ pub(crate) struct Node {
     relative: f64,
     mean: f64,
     lobes: OnceLock<Vec<Lobe>>,
+    quantiles: OnceLock<Arc<Quantiles>>,
 }
 
 /// What is known of the readings of a node.
@@ -144,6 +146,7 @@ impl Node {
             relative,
             mean: statistics.mean,
             lobes: OnceLock::new(),
+            quantiles: OnceLock::new(),
         };
         node.level = level(&node);
         node
@@ -168,6 +171,7 @@ impl Node {
             relative: self.relative,
             mean: self.mean,
             lobes: self.lobes.clone(),
+            quantiles: self.quantiles.clone(),
         }
     }
 
@@ -200,6 +204,16 @@ impl Node {
     /// The lobes over the diffuse level, highest first.
     pub(crate) fn lobes(&self) -> &[Lobe] {
         self.lobes.get_or_init(|| find(|s| self.value(s), self.level))
+    }
+
+    /// The quantiles of the light above the diffuse level.
+    pub(crate) fn quantiles(&self) -> &Quantiles {
+        self.quantiles.get_or_init(|| {
+            Arc::new(Quantiles::new(|p| {
+                let z = (1.0 - p[0] * p[0] - p[1] * p[1]).max(0.0).sqrt();
+                self.value(DVec3::new(p[0], p[1], z)) - self.level
+            }))
+        })
     }
 
     /// Whether readings surround the local direction `s`.

@@ -4,6 +4,7 @@
 //! [`Frame`] finds the same part of the scattering, and makes a BSDF of them once they are interpolated.
 
 mod components;
+mod displaced;
 mod frame;
 mod plain;
 mod ratio;
@@ -18,6 +19,7 @@ use crate::base::Base;
 use crate::layout::Neighbour;
 use crate::node::Node;
 
+pub(crate) use displaced::Quantiles;
 pub(crate) use frame::Counterpart;
 pub use frame::Frame;
 
@@ -74,6 +76,11 @@ pub(crate) trait Across: Sync {
 
     /// The BSDF that the numbers mean at the query.
     fn join(&self, query: &Query<'_>, terms: &[f64; MOST_TERMS]) -> f64;
+
+    /// The BSDF at the query from all slices together, for a way that has no numbers to read from one slice at a time.
+    fn together(&self, _query: &Query<'_>, _views: &mut dyn Iterator<Item = View<'_>>) -> Option<f64> {
+        None
+    }
 }
 
 /// What is carried over, and how it moves.
@@ -92,6 +99,8 @@ pub enum Method {
     TurnedComponents,
     /// Lobes that are found in every slice and followed (samples with axes).
     Tracked,
+    /// The diffuse level as it is, and the light above it displaced quantile by quantile.
+    Displaced,
 }
 
 impl Method {
@@ -104,7 +113,13 @@ impl Method {
             Method::TurnedComponents => &components::TURNED,
             // The lobes are moved apart from this; without one, slices stay as they are.
             Method::Tracked => plain::of(Frame::Still),
+            Method::Displaced => &displaced::Displaced,
         }
+    }
+
+    /// Whether it is tried only where no other one predicts well, and only between incidences: lobes that move on their own.
+    pub(crate) fn is_last_resort(self) -> bool {
+        matches!(self, Method::Tracked | Method::Displaced)
     }
 
     /// Whether it needs a parametric base.
@@ -139,7 +154,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// Every candidate, the preferred one of a tie first.
-    pub const ALL: [Candidate; 12] = [
+    pub const ALL: [Candidate; 13] = [
         Candidate::linear(Method::Ratio(Frame::HalfVector)),
         Candidate::linear(Method::Components),
         Candidate::linear(Method::TurnedComponents),
@@ -152,6 +167,7 @@ impl Candidate {
         Candidate::linear(Method::Tracked),
         Candidate::linear(Method::Plain(Frame::Mirror)),
         Candidate::linear(Method::Plain(Frame::Still)),
+        Candidate::linear(Method::Displaced),
     ];
 
     /// `method`, linear over incidence.
@@ -203,6 +219,7 @@ impl Candidate {
             Method::Components => "model x components",
             Method::TurnedComponents => "model x turned components",
             Method::Tracked => "tracked lobes",
+            Method::Displaced => "displaced light",
         }
     }
 }
