@@ -145,6 +145,7 @@ def figures(name: str) -> tuple[_native.DataDriven, dict[str, Any]]:
         "measured_rms": mean_and_worst(at_nodes, "rms"),
         "stated_within_2": float(np.mean((ratio > 0.5) & (ratio < 2))),
         "stated_over_true": [float(ratio.min()), float(np.median(ratio)), float(ratio.max())],
+        "spacing": max(s["spacing"] for s in summary["slices"]),
         "each": each,
         "warnings": model.warnings,
     }
@@ -252,6 +253,7 @@ def show(name: str, found: Mapping[str, Any]) -> None:
     low, median, high = found["stated_over_true"]
     close = found["stated_within_2"]
     print(f"  stated / true    {median:.2f} ({low:.2f} to {high:.2f}), {close:.0%} within 2 x")
+    print(f"  spacing          {found['spacing']:.2f} narrow half widths")
     for warning in found["warnings"]:
         print(f"  ! {warning}")
 
