@@ -1,9 +1,10 @@
-"""Files of models, read or summed up: Radiance BSDF XML and materials, RGL, MERL, compact models."""
+"""Files of models, read or summed up: those of Radiance (XML, .sir, materials), RGL, MERL, compact models."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from gonio.working import interruptible
 XML_FORMAT = "radiance-xml"
 RGL_FORMAT = "rgl-bsdf"
 MERL_FORMAT = "merl"
+SIR_FORMAT = "radiance-sir"
 ZEMAX_FORMAT = "zemax-bsdf"
 MATERIAL_SUFFIXES = (".rad", ".mat")
 """Names of Radiance scenes end in these; their text has no mark of its own at the beginning."""
@@ -29,12 +31,13 @@ _PHI = np.arange(0.0, 360.0, 15.0)
 class ComponentSummary:
     """One channel and component of a model.
 
-    `representation` is klems, tensor-tree, rgl, merl or compact; `resolution` the angle basis of the patches
-    (incident, exit), the rank and the number of cells of all components, the incidences and the nodes of a
-    table, the cells in theta_h, theta_d and phi_d, or symmetry, nodes and bits of a compact table. The
-    directional albedo is the least and the largest over all incident patches, for a tensor tree over
-    incidences of 0 to 85 degrees from the normal of the lit side, for an RGL material over those measured,
-    for a MERL binary and a compact model over 0 to 75 degrees.
+    `representation` is klems, tensor-tree, interpolant, rgl, merl or compact; `resolution` the angle basis of
+    the patches (incident, exit), the rank and the number of cells of all components, incidences, lobes and
+    transports of an interpolant, the incidences and the nodes of a table, the cells in theta_h, theta_d and
+    phi_d, or symmetry, nodes and bits of a compact table. The directional albedo is the least and the largest
+    over all incident patches, for a tensor tree over incidences of 0 to 85 degrees from the normal of the lit
+    side, for an RGL material and an interpolant over those measured, for a MERL binary and a compact model
+    over 0 to 75 degrees.
     """
 
     channel: str
@@ -68,6 +71,8 @@ def model_format(path: Path) -> str | None:
         return RGL_FORMAT
     if _native.is_merl(path):
         return MERL_FORMAT
+    if _native.is_sir(path):
+        return SIR_FORMAT
     with path.open("rb") as file:
         start = file.read(512)
     if start.startswith(MAGIC):
@@ -105,14 +110,15 @@ def _require_model(path: Path) -> None:
 
 
 def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
-    """Read a model from a file: Radiance BSDF XML or material, RGL, MERL, or gonio's compact model.
+    """Read a model from a file: one of Radiance (XML, .sir, material), RGL, MERL, or gonio's compact model.
 
     Parameters
     ----------
     path
         The file; its content tells the format. An RGL material (tensor file, .bsdf) becomes an `Rgl` model
         with the channels red, green and blue, or one a wavelength; a MERL binary has red, green and blue. A
-        compact model (netCDF 3, .nc) has those it was made with. Text named .rad or .mat holds one Radiance
+        compact model (netCDF 3, .nc) has those it was made with. An interpolant of Radiance (.sir) is
+        photopic, one side of incidence and component. Text named .rad or .mat holds one Radiance
         material, which is red, green and blue.
     channel
         Of an XML, which holds one model a channel, the channel to read: photopic is the file's Visible, solar
@@ -134,6 +140,8 @@ def read_bsdf(path: PathLike, *, channel: str | None = None) -> Bsdf:
         return _rgl_with(file, channel)
     if found == MERL_FORMAT:
         return _merl_with(file, channel)[0]
+    if found == SIR_FORMAT:
+        return _sir_with(file, channel)[0]
     if found == COMPACT_FORMAT:
         return _compact_with(file, channel)
     if file.suffix.lower() in MATERIAL_SUFFIXES and found is None:
@@ -184,6 +192,12 @@ def _merl_with(path: Path, channel: str | None) -> tuple[Bsdf, float]:
     return model, empty
 
 
+def _sir_with(path: Path, channel: str | None) -> tuple[Bsdf, dict[str, Any]]:
+    model, about = interruptible(lambda: _native.read_sir(path))
+    _check_channel(model, channel)
+    return model, about
+
+
 def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
     """Summary of every channel of a file that `read_bsdf` reads, or of one.
 
@@ -195,6 +209,8 @@ def summarise(path: Path, *, channel: str | None = None) -> ModelSummary:
     found = model_format(path)
     if found == MERL_FORMAT:
         return _merl(path, channel)
+    if found == SIR_FORMAT:
+        return _sir(path, channel)
     if found == RGL_FORMAT:
         return _rgl(_rgl_with(path, channel), [channel] if channel else None)
     if found == COMPACT_FORMAT:
@@ -242,6 +258,30 @@ def _rgl(model: Rgl, asked: list[str] | None) -> ModelSummary:
     if negative:
         notes.append(f"negative values in {', '.join(negative)} are raised to 0")
     return ModelSummary(name=model.description, manufacturer="", components=components, notes=notes)
+
+
+def _sir(path: Path, channel: str | None) -> ModelSummary:
+    model, about = _sir_with(path, channel)
+    thetas = [min(t, 180.0 - t) for t, _ in about["incidences"]]
+    isotropic = model.properties["isotropic"]
+    kind = "isotropic" if isotropic else "anisotropic"
+    size = f"{about['lobes']} lobes, {about['transports']} transports"
+    component = ComponentSummary(
+        channel=model.channels[0],
+        side=about["side"],
+        component=about["component"],
+        representation="interpolant",
+        resolution=f"{kind}, {len(thetas)} incidences, {size}",
+        albedo_min=about["albedo_min"],
+        albedo_max=about["albedo_max"],
+    )
+    notes = [
+        f"incidences of {min(thetas):.1f} to {max(thetas):.1f} deg from the normal; outside of them "
+        f"{about['floor']:.3g} /sr answers, with one lobe where the file has one"
+    ]
+    return ModelSummary(
+        name=about["name"], manufacturer=about["manufacturer"], components=[component], notes=notes
+    )
 
 
 def _merl(path: Path, channel: str | None) -> ModelSummary:

@@ -15,6 +15,7 @@ pub mod options;
 pub mod radiance_material;
 pub mod radiance_xml;
 pub mod rgl;
+pub mod sir;
 pub mod speos;
 pub mod table;
 pub mod tensor_file;

@@ -1,12 +1,13 @@
-//! Files of models: MERL binaries, Zemax tabular BSDFs, RGL materials written.
+//! Files of models: MERL binaries, Zemax tabular BSDFs, RGL materials written, RADIANCE's interpolants.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use gonio_bsdf::rgl::{RglOptions, RglTables};
 use gonio_bsdf::{Channel, HalfDifference, Rgl};
-use gonio_io::{merl, rgl, zemax};
+use gonio_io::{merl, rgl, sir, zemax};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::bsdf::Bsdf;
 use crate::errors::OrRaise;
@@ -115,8 +116,45 @@ fn write_rgl(
     Ok(Bsdf(Arc::new(Rgl::new(tables).or_raise()?)))
 }
 
+/// Whether a file begins as an interpolant of RADIANCE does; OSError and its kin for what the operating system refuses.
+#[pyfunction]
+fn is_sir(path: PathBuf) -> PyResult<bool> {
+    sir::is_sir(&path).or_raise()
+}
+
+/// Read an interpolant of RADIANCE: the model and a dict of name, manufacturer, side, component, incidences (list of
+/// (theta_i, phi_i), degrees), lobes, transports, floor (1/sr), albedo_min, albedo_max (over the incidences). Raises
+/// FormatError; OSError and its kin for what the operating system refuses.
+#[pyfunction]
+fn read_sir(py: Python<'_>, path: PathBuf) -> PyResult<(Bsdf, Bound<'_, PyDict>)> {
+    let (model, albedos) = py
+        .detach(|| {
+            sir::read(&path).map(|m| {
+                let albedos = m.albedos();
+                (m, albedos)
+            })
+        })
+        .or_raise()?;
+    let d = PyDict::new(py);
+    d.set_item("name", model.name())?;
+    d.set_item("manufacturer", model.manufacturer())?;
+    let (side, component) = model.component();
+    d.set_item("side", side.to_string())?;
+    d.set_item("component", component.to_string())?;
+    let incidences: Vec<(f64, f64)> = model.incidences().map(|w| w.angles().to_degrees()).collect();
+    d.set_item("incidences", incidences)?;
+    d.set_item("lobes", model.lobes())?;
+    d.set_item("transports", model.transports())?;
+    d.set_item("floor", model.floor())?;
+    d.set_item("albedo_min", albedos[0])?;
+    d.set_item("albedo_max", albedos[1])?;
+    Ok((Bsdf(Arc::new(model)), d))
+}
+
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(is_merl, m)?)?;
+    m.add_function(wrap_pyfunction!(is_sir, m)?)?;
+    m.add_function(wrap_pyfunction!(read_sir, m)?)?;
     m.add_function(wrap_pyfunction!(read_merl, m)?)?;
     m.add_function(wrap_pyfunction!(write_merl, m)?)?;
     m.add_function(wrap_pyfunction!(write_rgl, m)?)?;
