@@ -160,6 +160,22 @@ impl Klems {
         self.matrices.get(side, component)
     }
 
+    /// Greatest directional albedo, reflection and transmission of one side together, over the incident patches.
+    pub fn max_albedo(&self) -> f64 {
+        let both = [Component::Reflection, Component::Transmission];
+        let of = |side: Side| {
+            let matrices: Vec<&KlemsMatrix> = both.iter().filter_map(|c| self.matrix(side, *c)).collect();
+            let n = matrices.iter().map(|m| m.incident.len()).max().unwrap_or(0);
+            (0..n)
+                .map(|i| {
+                    let there = matrices.iter().filter(|m| i < m.incident.len());
+                    there.map(|m| m.albedo(i)).sum::<f64>()
+                })
+                .fold(0.0, f64::max)
+        };
+        Side::BOTH.into_iter().map(of).fold(0.0, f64::max)
+    }
+
     /// Directional-hemispherical reflectance or transmittance at `wi`; 0 where the model has no such component.
     pub fn directional_albedo(&self, wi: Direction, component: Component) -> f64 {
         let Some(s) = source(&self.matrices, wi.side(), component) else {
@@ -199,6 +215,19 @@ impl Bsdf for Klems {
         }
         let component = Component::between(wi.side(), ws.side());
         source(&self.matrices, wi.side(), component).map_or(0.0, |s| s.value(wi, ws))
+    }
+
+    fn holds(&self, wi: Direction, ideal: Direction, ws: Direction) -> bool {
+        let component = Component::between(wi.side(), ws.side());
+        ideal.side() == ws.side()
+            && source(&self.matrices, wi.side(), component).is_some_and(|s| {
+                let (basis, role) = if s.reversed {
+                    (&s.matrix.incident, Role::Incident)
+                } else {
+                    (&s.matrix.exit, Role::Exit)
+                };
+                basis.patch(ideal, role) == basis.patch(ws, role)
+            })
     }
 
     fn pdf(&self, w: Direction, sampled: Direction) -> f64 {

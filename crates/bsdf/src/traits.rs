@@ -93,6 +93,12 @@ pub trait Bsdf: Send + Sync {
         })
     }
 
+    /// Whether a table may hold light that leaves without spreading in `ideal` in what it answers for `ws`: both lie in
+    /// one cell or, where cells are fine, in neighbours. `false` for models that have no cells.
+    fn holds(&self, _wi: Direction, _ideal: Direction, _ws: Direction) -> bool {
+        false
+    }
+
     /// Whether `f(wi, ws)` rests on data. An analytic model answers `true` everywhere, a measured one `false` where it
     /// extrapolates or has nothing.
     fn has_data(&self, _wi: Direction, _ws: Direction) -> bool {

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use gonio_bsdf::{Bsdf, BsdfError, Channel, Properties, Sample};
-use gonio_geom::Direction;
+use gonio_bsdf::{Bsdf, BsdfError, Channel, Lobe, Properties, Sample};
+use gonio_geom::{Component, Direction};
 
 /// Several models side by side, each for its own channels, as a measurement of three colours gives three data-driven models.
 ///
-/// Samples are drawn from each of them as often. Ideal parts are left out.
+/// Samples are drawn from each of them as often. Ideal parts are those of the models; where two have different directions
+/// that of the last counts, which no measurement gives.
 pub struct SideBySide {
     models: Vec<Arc<dyn Bsdf>>,
     channels: Vec<Channel>,
@@ -65,6 +66,21 @@ impl Bsdf for SideBySide {
         }
     }
 
+    fn delta(&self, w: Direction, component: Component, shares: &mut [f64]) -> Option<Direction> {
+        let mut rest = shares;
+        let mut direction = None;
+        for model in &self.models {
+            let (own, others) = rest.split_at_mut(model.channels().len());
+            direction = model.delta(w, component, own).or(direction);
+            rest = others;
+        }
+        direction
+    }
+
+    fn holds(&self, wi: Direction, ideal: Direction, ws: Direction) -> bool {
+        self.models.iter().any(|m| m.holds(wi, ideal, ws))
+    }
+
     fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
         let sum: f64 = self.models.iter().map(|m| m.pdf(w, sampled)).sum();
         sum / self.models.len() as f64
@@ -76,6 +92,12 @@ impl Bsdf for SideBySide {
         let k = ((u[2] * n) as usize).min(self.models.len() - 1);
         let rest = (u[2] * n - k as f64).min(1.0 - f64::EPSILON);
         let drawn = self.models[k].sample(w, [u[0], u[1], rest])?;
+        if drawn.lobe == Lobe::Delta {
+            // the weight is that of the first channel, for which the first model alone draws
+            let weight = if k == 0 { drawn.weight * n } else { 0.0 };
+            let pdf = drawn.pdf / n;
+            return Some(Sample { weight, pdf, ..drawn });
+        }
         let pdf = Bsdf::pdf(self, w, drawn.direction);
         let weight = self.eval_first(w, drawn.direction) * drawn.direction.cos_theta().abs() / pdf;
         (pdf > 0.0 && weight.is_finite()).then_some(Sample { weight, pdf, ..drawn })

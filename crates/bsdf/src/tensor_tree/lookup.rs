@@ -103,6 +103,26 @@ impl Tree {
         })
     }
 
+    /// Side of the cell that holds `coordinates`.
+    pub(crate) fn cell_side(&self, coordinates: &[f64; 4]) -> f64 {
+        let position = coordinates.map(fixed);
+        let mut node = self.nodes()[0];
+        let mut level = 0u32;
+        loop {
+            match node {
+                Node::Branch { first } => {
+                    level += 1;
+                    let bit = |k: usize| ((position[k] >> (BITS - level)) & 1) as usize;
+                    let child = (0..self.rank().dimensions()).fold(0, |n, k| n | bit(k) << k);
+                    node = self.nodes()[first as usize + child];
+                }
+                Node::Block { log2_side, .. } => {
+                    return (-f64::from(level + u32::from(log2_side))).exp2();
+                }
+            }
+        }
+    }
+
     /// The value at a fixed-point position below node `index`, which lies `level` levels deep.
     pub(crate) fn descend<const D: usize>(&self, index: usize, level: u32, position: [u32; D]) -> f32 {
         let mut node = self.nodes()[index];

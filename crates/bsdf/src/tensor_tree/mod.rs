@@ -150,6 +150,36 @@ impl TensorTree {
         })
     }
 
+    /// Greatest directional albedo, reflection and transmission of one side together, over the incident cells of the
+    /// finest tree (at rank 4 over cells of depth 8 at most).
+    pub fn max_albedo(&self) -> f64 {
+        let depth = self.trees.iter().map(|(_, _, t)| t.depth()).max().unwrap_or(0);
+        let four = self.trees.iter().any(|(_, _, t)| t.rank() == Rank::Four);
+        let n = 1usize << if four { depth.min(8) } else { depth.max(1) };
+        let centre = |k: usize| (k as f64 + 0.5) / n as f64;
+        // at rank 3 the incident coordinate says all, with the azimuth that makes it the first of rank 4
+        let incidences = if four { n * n } else { n / 2 };
+        let rank = if four { Rank::Four } else { Rank::Three };
+        let mut most = 0.0f64;
+        for side in Side::BOTH {
+            let there = |c: &Component| self.trees.get(side, *c).is_some();
+            let filled = [Component::Reflection, Component::Transmission]
+                .into_iter()
+                .filter(there);
+            let filled: Vec<Component> = filled.collect();
+            for k in 0..if filled.is_empty() { 0 } else { incidences } {
+                let at = if four {
+                    [centre(k / n), centre(k % n)]
+                } else {
+                    [centre(k), 0.0]
+                };
+                let wi = lookup::incident_direction(rank, at, side);
+                most = most.max(filled.iter().map(|c| self.directional_albedo(wi, *c)).sum());
+            }
+        }
+        most
+    }
+
     /// Directional-hemispherical reflectance or transmittance at `wi`; 0 where the model has no such component.
     pub fn directional_albedo(&self, wi: Direction, component: Component) -> f64 {
         self.source(wi.side(), component)
@@ -192,6 +222,20 @@ impl Bsdf for TensorTree {
 
     fn sample_f64(&self, w: Directions<'_, f64>, u: [&[f64]; 3], out: &mut SampleColumns<'_, f64>) {
         batch::sample(self, w, u, out);
+    }
+
+    fn holds(&self, wi: Direction, ideal: Direction, ws: Direction) -> bool {
+        let component = Component::between(wi.side(), ws.side());
+        ideal.side() == ws.side()
+            && self.source(wi.side(), component).is_some_and(|s| {
+                let at = |w| {
+                    let (i, o) = if s.reversed { (w, wi) } else { (wi, w) };
+                    lookup::coordinates(s.tree.rank(), i, o)
+                };
+                let (ideal, ws) = (at(ideal), at(ws));
+                let reach = 1.5 * s.tree.cell_side(&ideal);
+                ideal.iter().zip(&ws).all(|(a, b)| (a - b).abs() <= reach)
+            })
     }
 
     fn pdf(&self, w: Direction, sampled: Direction) -> f64 {

@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use gonio_bsdf::{Bsdf, BsdfError};
 use gonio_geom::{Component, DVec3, Direction, Side};
 
+use super::apart::{Apart, Sums};
+
 /// Distance of the half vector from the normal up to which the directions are even; farther off they thin out.
 const CORE: f64 = 0.004;
 /// Distances and azimuths of half vectors.
@@ -14,23 +16,27 @@ const SECTORS: usize = 144;
 /// Two models at one incidence and component, over the same directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// `integral |f_b - f_a| cos / integral f_a cos`.
+    /// `integral |f_b - f_a| cos / integral f_a cos` of the scattered light.
     pub rel_l1: f64,
     /// `sqrt(integral (dsf_b - dsf_a)^2 / integral dsf_a^2)`.
     pub rel_rms: f64,
-    /// Directional albedos, `a` and `b`.
+    /// Directional albedos, `a` and `b`, ideal parts included.
     pub albedo: [f64; 2],
+    /// Share of the light that leaves without spread, of each; of a table what it holds of the other's.
+    pub ideal: [f64; 2],
     /// Largest DSF of each, 1/sr.
     pub peak: [f64; 2],
     /// Angle between the directions of the largest DSF, radians.
     pub peak_shift: f64,
-    /// `integral |f(wi, ws) - f(ws, wi)| cos / integral f cos` of each: 0 for a reciprocal model.
+    /// [`reciprocity`] of each.
     pub reciprocity: [f64; 2],
 }
 
 /// Compares channel `channel_b` of `b` with channel `channel_a` of `a` at `wi`, over directions dense about the mirror or
 /// unbent direction: lobes of half vectors narrower than 0.004, and others narrower than about 1 degree, are not resolved.
-/// Where `a` is 0 everywhere, ratios are NaN. Ideal parts count as nothing.
+/// Where `a` is 0 everywhere, ratios are NaN. Ideal parts are compared with each other, scattered light with scattered light:
+/// where only one model has an ideal part, the cells of the other that hold it ([`Bsdf::holds`]) are left out, and what they
+/// hold beyond the scattered light of the first counts as ideal.
 ///
 /// # Errors
 /// [`BsdfError::Domain`] for a channel that a model does not have, and for `wi` on the horizon.
@@ -41,14 +47,102 @@ pub fn compare(
     component: Component,
 ) -> Result<Comparison, BsdfError> {
     for (model, channel) in [a, b] {
-        let n = model.channels().len();
-        if channel >= n {
-            return Err(BsdfError::Domain {
-                field: "channel",
-                found: format!("number {channel}"),
-                allowed: format!("0 to {} ({n} channels)", n.saturating_sub(1)),
-            });
+        check(model, channel, wi)?;
+    }
+    let apart = Apart::new([a, b], wi, component);
+    let mut eval = [Channel::new(a), Channel::new(b)];
+    let (mut l1, mut square, mut square_a) = (0.0, 0.0, 0.0);
+    let mut sums = Sums::default();
+    let mut turned = [Turned::default(); 2];
+    let mut peak = [(0.0, wi); 2];
+    for (ws, weight) in directions(wi, component) {
+        let cos = ws.cos_theta().abs();
+        let f = [0, 1].map(|k| eval[k].at(wi, ws));
+        let to = if apart.held(ws) {
+            &mut sums.held
+        } else {
+            &mut sums.compared
+        };
+        (0..2).for_each(|k| to[k] += weight * f[k] * cos);
+        (0..2).for_each(|k| turned[k].add(f[k], eval[k].at(ws, wi), weight * cos));
+        if apart.held(ws) {
+            continue;
         }
+        let difference = (f[1] - f[0]) * cos;
+        l1 += weight * difference.abs();
+        square += weight * difference * difference;
+        square_a += weight * (f[0] * cos).powi(2);
+        for k in 0..2 {
+            if f[k] * cos > peak[k].0 {
+                peak[k] = (f[k] * cos, ws);
+            }
+        }
+    }
+    let light = apart.light(&sums);
+    Ok(Comparison {
+        rel_l1: share(l1, sums.compared[0]),
+        rel_rms: share(square, square_a).sqrt(),
+        albedo: light.albedo,
+        ideal: light.ideal,
+        peak: peak.map(|p| p.0),
+        peak_shift: if peak.iter().all(|p| p.0 > 0.0) {
+            peak[0].1.angle_to(peak[1].1)
+        } else {
+            f64::NAN
+        },
+        reciprocity: turned.map(Turned::share),
+    })
+}
+
+/// `integral |f(wi, ws) - f(ws, wi)| cos / integral f cos` at `wi`, ideal parts aside, over the directions of
+/// [`compare`]: 0 for a reciprocal model, NaN where nothing scatters and where nothing is known of light that comes the
+/// other way, as in transmission measured from one side.
+///
+/// # Errors
+/// As [`compare`].
+pub fn reciprocity(model: (&dyn Bsdf, usize), wi: Direction, component: Component) -> Result<f64, BsdfError> {
+    check(model.0, model.1, wi)?;
+    let mut eval = Channel::new(model);
+    let mut turned = Turned::default();
+    for (ws, weight) in directions(wi, component) {
+        let (f, back) = (eval.at(wi, ws), eval.at(ws, wi));
+        turned.add(f, back, weight * ws.cos_theta().abs());
+    }
+    Ok(turned.share())
+}
+
+/// Sums of the light one way, the other way, and their difference.
+#[derive(Clone, Copy, Debug, Default)]
+struct Turned {
+    there: f64,
+    back: f64,
+    difference: f64,
+}
+
+impl Turned {
+    fn add(&mut self, f: f64, back: f64, weight: f64) {
+        self.there += weight * f;
+        self.back += weight * back;
+        self.difference += weight * (f - back).abs();
+    }
+
+    fn share(self) -> f64 {
+        if self.back > 0.0 {
+            share(self.difference, self.there)
+        } else {
+            f64::NAN
+        }
+    }
+}
+
+fn check(model: &dyn Bsdf, channel: usize, wi: Direction) -> Result<(), BsdfError> {
+    let n = model.channels().len();
+    if channel >= n {
+        return Err(BsdfError::Domain {
+            field: "channel",
+            found: format!("number {channel}"),
+            allowed: format!("0 to {} ({n} channels)", n.saturating_sub(1)),
+        });
     }
     if wi.cos_theta() == 0.0 {
         return Err(BsdfError::Domain {
@@ -57,51 +151,12 @@ pub fn compare(
             allowed: "incidences off the horizon".into(),
         });
     }
-    let (mut eval_a, mut eval_b) = (Channel::new(a), Channel::new(b));
-    let (mut l1, mut square, mut square_a) = (0.0, 0.0, 0.0);
-    let (mut albedo, mut turned) = ([0.0; 2], [0.0; 2]);
-    let mut peak = [(0.0, wi); 2];
-    for (ws, weight) in directions(wi, component) {
-        let cos = ws.cos_theta().abs();
-        let f = [eval_a.at(wi, ws), eval_b.at(wi, ws)];
-        let back = [eval_a.at(ws, wi), eval_b.at(ws, wi)];
-        let difference = (f[1] - f[0]) * cos;
-        l1 += weight * difference.abs();
-        square += weight * difference * difference;
-        square_a += weight * (f[0] * cos).powi(2);
-        for k in 0..2 {
-            albedo[k] += weight * f[k] * cos;
-            turned[k] += weight * (f[k] - back[k]).abs() * cos;
-            if f[k] * cos > peak[k].0 {
-                peak[k] = (f[k] * cos, ws);
-            }
-        }
-    }
-    Ok(Comparison {
-        rel_l1: share(l1, albedo[0]),
-        rel_rms: share(square, square_a).sqrt(),
-        albedo,
-        peak: peak.map(|p| p.0),
-        peak_shift: if peak.iter().all(|p| p.0 > 0.0) {
-            peak[0].1.angle_to(peak[1].1)
-        } else {
-            f64::NAN
-        },
-        reciprocity: [0, 1].map(|k| share(turned[k], albedo[k])),
-    })
+    Ok(())
 }
 
 /// `part / whole`; NaN of nothing.
 fn share(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { f64::NAN }
-}
-
-/// Directional albedo by the same directions.
-pub(super) fn albedo(model: &dyn Bsdf, wi: Direction, component: Component, channel: usize) -> f64 {
-    let mut eval = Channel::new((model, channel));
-    directions(wi, component)
-        .map(|(ws, weight)| eval.at(wi, ws) * weight * ws.cos_theta().abs())
-        .sum()
 }
 
 /// One channel of a model.

@@ -3,19 +3,21 @@
 //! A reduced model is an average of the model over cells of equal treatment of incidence and exit, so it keeps the
 //! energy of the model; what it loses in resolution [`loss`] tells per incidence.
 
+mod apart;
 mod compact;
 mod comparison;
 mod klems;
+mod largest;
 mod loss;
-mod spread;
 mod tensor_tree;
 
 use gonio_bsdf::{Bsdf, BsdfError, Channel, FourComponents};
 use gonio_geom::{Component, Direction, Side};
 
 pub use compact::{CompactOptions, CompactReduction, to_compact};
-pub use comparison::{Comparison, compare};
+pub use comparison::{Comparison, compare, reciprocity};
 pub use klems::{KlemsOptions, KlemsReduction, to_klems};
+pub use largest::{Largest, largest_albedo};
 pub use loss::{Loss, loss};
 pub use tensor_tree::{TreeOptions, TreeReduction, to_tensor_tree};
 
@@ -120,5 +122,7 @@ fn disk_direction(u: f64, v: f64, side: Side) -> Direction {
     gonio_bsdf::tensor_tree::lookup::incident_direction(gonio_bsdf::tensor_tree::Rank::Four, [u, v], side)
 }
 
+#[cfg(test)]
+mod ideal_tests;
 #[cfg(test)]
 mod tests;

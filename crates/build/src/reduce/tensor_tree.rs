@@ -1,13 +1,13 @@
 //! Reduction to tensor trees: cells are halved where the model varies most.
 
 mod growth;
+mod ideal;
 
-use gonio_bsdf::tensor_tree::{Rank, TensorTree, Tree};
+use gonio_bsdf::tensor_tree::{Rank, TensorTree};
 use gonio_bsdf::{Bsdf, BsdfError, FourComponents};
 use gonio_geom::{Component, Side};
 
 use super::OneChannel;
-use super::spread::Spread;
 use growth::Growth;
 
 /// How to reduce a model to tensor trees.
@@ -50,9 +50,10 @@ impl Default for TreeOptions {
 pub struct TreeReduction {
     /// The model.
     pub model: TensorTree,
-    /// Estimated `integral |f - f_cell| / integral f` of each component.
+    /// Estimated `integral |f - f_cell| / integral f` of each component; 0 where no light is scattered.
     pub error: FourComponents<f64>,
-    /// Greatest directional albedo (reflection and transmission of one side) over the incident cells.
+    /// Greatest directional albedo (reflection and transmission of one side) over the incident cells, the ideal part
+    /// included.
     pub max_albedo: f64,
     /// Bytes of each component's data in a Radiance file.
     pub bytes: FourComponents<usize>,
@@ -65,17 +66,17 @@ pub struct TreeReduction {
 /// values are rounded to two to five significant digits, a twentieth of what the cell itself smooths away.
 ///
 /// Cells about the mirror, unbent and retro directions are always looked into; a feature elsewhere that is narrower than
-/// about 1/16 in direction cosine can be missed. An ideal part ([`Bsdf::delta`]) is given the width of the finest cells:
-/// RADIANCE's `aBSDF` finds its peak and passes that light unscattered.
+/// about 1/16 in direction cosine can be missed. An ideal part ([`Bsdf::delta`]) goes to the finest cells about its
+/// directions, and every incidence keeps its share; RADIANCE's `aBSDF` takes it out of them again. Where an anisotropic
+/// model needs more than half of `max_cells` for it, the finest cells of that light are coarser than `max_depth`; in
+/// transmission those of the component are then too, because `aBSDF` looks into the smallest cells alone.
 ///
 /// # Errors
 /// [`BsdfError::Domain`] for a channel the model does not have, no component that scatters, rank 3 for a model that is
 /// not isotropic, or a depth, target or number of cells out of range.
 pub fn to_tensor_tree(model: &dyn Bsdf, options: &TreeOptions) -> Result<TreeReduction, BsdfError> {
     let rank = check(model, options)?;
-    let spread = Spread::new(model, 1.4 * 0.5f64.powi(options.max_depth.into()));
-    let model: &dyn Bsdf = if model.has_delta() { &spread } else { model };
-    let one = OneChannel::new(model, options.channel)?;
+    let one = OneChannel::with_ideal(model, options.channel)?;
     let components = one.components(options.components.as_deref())?;
     let mut trees = FourComponents::default();
     let mut error = FourComponents::default();
@@ -89,11 +90,11 @@ pub fn to_tensor_tree(model: &dyn Bsdf, options: &TreeOptions) -> Result<TreeRed
         bytes.set(side, component, Some(growth.bytes));
         trees.set(side, component, Some(growth.tree()?));
     }
-    let max_albedo = max_albedo(&trees, rank);
+    let model = TensorTree::new(one.channel(), trees);
     Ok(TreeReduction {
-        model: TensorTree::new(one.channel(), trees),
+        max_albedo: model.max_albedo(),
+        model,
         error,
-        max_albedo,
         bytes,
         evaluations,
     })
@@ -126,27 +127,4 @@ fn check(model: &dyn Bsdf, options: &TreeOptions) -> Result<Rank, BsdfError> {
     Ok(options
         .rank
         .unwrap_or(if isotropic { Rank::Three } else { Rank::Four }))
-}
-
-/// Greatest sum of reflection and transmission albedo, at the centre of every incident cell of the finest tree.
-fn max_albedo(trees: &FourComponents<Tree>, rank: Rank) -> f64 {
-    let depth = trees.iter().map(|(_, _, t)| t.depth()).max().unwrap_or(0);
-    let n = 1usize << depth.min(7);
-    let centre = |k: usize| (k as f64 + 0.5) / n as f64;
-    let incident: Vec<[f64; 2]> = match rank {
-        Rank::Three => (0..n.div_ceil(2)).map(|a| [centre(a).min(0.499), 0.0]).collect(),
-        Rank::Four => (0..n * n).map(|k| [centre(k / n), centre(k % n)]).collect(),
-    };
-    let mut max = 0.0f64;
-    for side in Side::BOTH {
-        for at in &incident {
-            let albedo: f64 = [Component::Reflection, Component::Transmission]
-                .iter()
-                .filter_map(|c| trees.get(side, *c))
-                .map(|t| t.albedo(*at))
-                .sum();
-            max = max.max(albedo);
-        }
-    }
-    max
 }

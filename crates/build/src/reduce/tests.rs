@@ -359,7 +359,7 @@ fn requests_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn an_ideal_part_goes_to_its_patches_and_cells() {
+fn an_ideal_part_goes_to_its_patches() {
     use gonio_bsdf::RadianceMaterial;
     use gonio_bsdf::albedo::directional_albedo;
     use gonio_bsdf::radiance::{Glass, Plastic};
@@ -396,17 +396,6 @@ fn an_ideal_part_goes_to_its_patches_and_cells() {
                 let own = matrix.value(incident, incident) * basis.lambda()[incident];
                 assert!((own / found - 1.0).abs() < 1e-6);
             }
-        }
-        let tree = to_tensor_tree(model.as_ref(), &TreeOptions::default())
-            .unwrap()
-            .model;
-        for theta in [2.0, 25.0, 47.0, 66.0] {
-            let wi = Direction::from_degrees(theta, 30.0);
-            let (f, g) = (
-                directional_albedo(model.as_ref(), wi, component, 0),
-                directional_albedo(&tree, wi, component, 0),
-            );
-            assert!((g / f - 1.0).abs() < 0.02, "{theta} deg: {g} for {f}");
         }
     }
 }

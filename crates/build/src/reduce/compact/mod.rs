@@ -10,10 +10,9 @@ mod tests;
 
 use gonio_bsdf::compact::{CompactPart, Frame, Quantised};
 use gonio_bsdf::{Bsdf, BsdfError, Compact, FourComponents};
-use gonio_geom::{Component, Direction, Side};
+use gonio_geom::{Component, Side};
 
-use super::OneChannel;
-use super::comparison::albedo;
+use super::{OneChannel, largest_albedo};
 use base::Base;
 use plan::{Wanted, plan};
 use samples::{Samples, draw};
@@ -65,7 +64,7 @@ pub struct CompactReduction {
     pub model: Compact,
     /// Relative L1 error of each channel, mean over incidences up to 89 degrees, at points that the table was not fitted to.
     pub error: FourComponents<Vec<f64>>,
-    /// Largest directional albedo over the incidences looked at, up to 85 degrees, any channel.
+    /// [`largest_albedo`] of it.
     pub max_albedo: f64,
 }
 
@@ -96,9 +95,8 @@ pub fn to_compact(model: &dyn Bsdf, options: &CompactOptions) -> Result<CompactR
         parts.set(side, component, Some(part));
         errors.set(side, component, Some(error));
     }
-    let lit: Vec<Side> = parts.iter().map(|(side, ..)| side).collect();
     let made = Compact::new(view.channels().to_vec(), parts.clone(), false)?;
-    let max_albedo = max_albedo(&made, &lit);
+    let max_albedo = largest_albedo(&made).value;
     Ok(CompactReduction {
         model: Compact::new(view.channels().to_vec(), parts, max_albedo <= 1.0 + 1e-3)?,
         error: errors,
@@ -224,27 +222,4 @@ fn tabulated(
         }
     }
     Ok((table, errors))
-}
-
-/// Largest albedo of a model over some incidences of the sides.
-fn max_albedo(model: &dyn Bsdf, sides: &[Side]) -> f64 {
-    let azimuths: &[f64] = if model.properties().isotropic {
-        &[0.0]
-    } else {
-        &[0.0, 45.0, 90.0, 135.0]
-    };
-    let mut most = 0.0f64;
-    for side in Side::BOTH.into_iter().filter(|s| sides.contains(s)) {
-        for theta in [1.0, 20.0, 40.0, 60.0, 70.0, 80.0, 85.0] {
-            for phi in azimuths {
-                let wi =
-                    Direction::from_degrees(if side == Side::Back { 180.0 - theta } else { theta }, *phi);
-                for channel in 0..model.channels().len() {
-                    let both = [Component::Reflection, Component::Transmission];
-                    most = most.max(both.iter().map(|c| albedo(model, wi, *c, channel)).sum());
-                }
-            }
-        }
-    }
-    most
 }

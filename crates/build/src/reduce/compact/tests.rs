@@ -2,8 +2,8 @@ use std::f64::consts::PI;
 
 use gonio_bsdf::analytic::{Sum, family};
 use gonio_bsdf::compact::Symmetry;
-use gonio_bsdf::{Channel, Properties};
-use gonio_geom::DVec3;
+use gonio_bsdf::{Channel, Properties, directional_albedo};
+use gonio_geom::{DVec3, Direction};
 
 use super::super::compare;
 use super::*;
@@ -237,7 +237,7 @@ fn every_component_of_a_panel_that_differs_by_side_is_kept_apart() {
         .sum();
     let wi = Direction::from_degrees(45.0, 20.0);
     let wanted: f64 = [Component::Reflection, Component::Transmission]
-        .map(|c| albedo(&panel, wi, c, 0))
+        .map(|c| directional_albedo(&panel, wi, c, 0))
         .iter()
         .sum();
     assert!((mean / wanted - 1.0).abs() < 0.02, "{mean} {wanted}");

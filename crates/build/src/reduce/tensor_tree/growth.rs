@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::f64::consts::PI;
 
 use gonio_bsdf::BsdfError;
 use gonio_bsdf::tensor_tree::lookup::{exit_direction, incident_direction};
@@ -9,6 +10,7 @@ use gonio_bsdf::tensor_tree::{Rank, Tree, TreeBuilder};
 use gonio_geom::{Component, Direction, Side};
 
 use super::TreeOptions;
+use super::ideal::Ideal;
 use crate::reduce::OneChannel;
 
 /// Depth to which every cell is refined before errors decide: rank 3, rank 4.
@@ -28,7 +30,10 @@ struct Cell {
     depth: u8,
     children: u32,
     parent: u32,
+    /// Average of the scattered light.
     mean: f32,
+    /// What light without spread adds.
+    ideal: f32,
     /// `integral |f - mean|` over the cell, in units of its measure.
     error: f32,
 }
@@ -65,6 +70,8 @@ pub(super) struct Growth<'a> {
     side: Side,
     to: Side,
     options: &'a TreeOptions,
+    ideal: Option<Ideal>,
+    max_depth: u8,
     cells: Vec<Cell>,
     queue: BinaryHeap<Worst>,
     leaves: usize,
@@ -84,12 +91,23 @@ impl<'a> Growth<'a> {
         component: Component,
         options: &'a TreeOptions,
     ) -> Self {
+        let max_cells = options.max_bytes.map_or(options.max_cells, |most| {
+            options.max_cells.min(most / MOST_CHARACTERS)
+        });
+        let ideal = Ideal::new(one, rank, side, component, options.max_depth, max_cells);
+        let max_depth = match &ideal {
+            // RADIANCE's aBSDF takes light for unscattered in the smallest cells of a component only.
+            Some(ideal) if component == Component::Transmission => ideal.depth,
+            _ => options.max_depth,
+        };
         let mut growth = Growth {
             one,
             rank,
             side,
             to: component.scattered_side(side),
             options,
+            ideal,
+            max_depth,
             cells: Vec::new(),
             queue: BinaryHeap::new(),
             leaves: 1,
@@ -146,6 +164,7 @@ impl<'a> Growth<'a> {
             children: LEAF,
             parent,
             mean: 0.0,
+            ideal: 0.0,
             error: 0.0,
         };
         if self.unused(origin, depth) {
@@ -173,6 +192,10 @@ impl<'a> Growth<'a> {
         let mean = values[..n].iter().sum::<f64>() / n as f64;
         let spread = values[..n].iter().map(|v| (v - mean).abs()).sum::<f64>() / n as f64;
         cell.mean = mean as f32;
+        if let Some(ideal) = &self.ideal {
+            // f = flux / (incidences, projected solid angle of the exit cell)
+            cell.ideal = (ideal.flux(origin, depth) / (self.volume(depth) * PI)) as f32;
+        }
         cell.error = (spread * self.volume(depth)) as f32;
         cell
     }
@@ -182,8 +205,15 @@ impl<'a> Growth<'a> {
         let c = self.cells[index as usize];
         self.total += f64::from(c.mean) * self.volume(c.depth);
         self.error += f64::from(c.error);
-        let error = if self.forced(&c) { f32::INFINITY } else { c.error };
-        if c.depth < self.options.max_depth && error > 0.0 {
+        let holds = |ideal: &Ideal| c.ideal > 0.0 && c.depth < ideal.depth;
+        let error = if self.ideal.as_ref().is_some_and(holds) {
+            f32::INFINITY
+        } else if self.forced(&c) {
+            f32::MAX
+        } else {
+            c.error
+        };
+        if c.depth < self.max_depth && error > 0.0 {
             self.queue.push(Worst { error, cell: index });
         }
     }
@@ -199,7 +229,7 @@ impl<'a> Growth<'a> {
     pub(super) fn grow(&mut self) {
         let more = self.rank.children() - 1;
         while let Some(worst) = self.queue.pop() {
-            let settled = worst.error.is_finite() && self.relative_error() <= self.options.target;
+            let settled = worst.error < f32::MAX && self.relative_error() <= self.options.target;
             let full = self.leaves + more > self.options.max_cells
                 || self
                     .options
@@ -254,7 +284,7 @@ impl<'a> Growth<'a> {
 
     /// The average as it is kept.
     fn value(&self, c: &Cell) -> f32 {
-        rounded(c.mean, f64::from(c.error) / self.volume(c.depth))
+        rounded(c.mean + c.ideal, f64::from(c.error) / self.volume(c.depth))
     }
 
     /// Characters of the value of a cell in a file, with the space before it.
