@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio._native import Bsdf, Verdict
+from gonio import _native
+from gonio._native import Bsdf, Klems, TensorTree, Verdict
+from gonio.comparing import KEYS, PHI_I, THETA_I
 from gonio.working import interruptible
 
 Array = NDArray[np.float64]
@@ -17,13 +20,7 @@ Level = Literal["pass", "warn", "fail", "info"]
 PAIRS = 20_000
 """Pairs of directions that are looked at, on both sides, the same every time."""
 
-ALBEDO_THETA = (*range(0, 90, 5), 88)
-"""Incidences in degrees from the normal at which the light that leaves is added up."""
-
 ALBEDO_WARN, ALBEDO_FAIL = 1.001, 1.02
-
-_POINTS = (0.5 + np.outer(np.arange(1, 4097), [0.8191725134, 0.6710436067, 0.5497004779])) % 1.0
-"""Points of an additive recurrence [Roberts2018] in the cube that samples are drawn with."""
 
 RECIPROCITY_WARN = 0.05
 PROMISED = 2e-3
@@ -41,9 +38,11 @@ def check_model(model: Bsdf) -> list[Verdict]:
     Returns
     -------
     list of Verdict
-        In this order; one for each law. `value` is the largest albedo, or the relative L1 difference
-        `sum c_i c_s |f - f'| / sum c_i c_s (f + f') / 2` over pairs of directions. A law that the model
-        promises (`properties`) and breaks is a failure, one that it does not promise a warning.
+        In this order; one for each law. `value` is the largest albedo, the reciprocity as `gonio.compare`
+        has it (largest over channels and components of the mean over incidences), or for isotropy the
+        relative L1 difference `sum c_i c_s |f - f'| / sum c_i c_s (f + f') / 2` over pairs of directions. A
+        law that the model promises (`properties`) and breaks is a failure, one that it does not promise a
+        warning.
     """
     return interruptible(lambda: list(_verdicts(model)))
 
@@ -54,11 +53,10 @@ def _verdicts(model: Bsdf) -> Iterator[Verdict]:
     yield _finite(f)
     yield _energy(model)
     promised = model.properties
-    back = _values(model, ws, wi)
     yield _law(
         "reciprocity",
         "reciprocity",
-        _difference(f, back),
+        _reciprocity(model),
         RECIPROCITY_WARN,
         promised=promised["reciprocal"],
         what="values with source and receiver exchanged",
@@ -112,48 +110,50 @@ def _finite(f: Array) -> Verdict:
 
 
 def _energy(model: Bsdf) -> Verdict:
-    azimuths = (0.0,) if model.properties["isotropic"] else tuple(np.arange(0.0, 360.0, 45.0))
-    highest, u_highest, where = 0.0, 0.0, ""
-    for theta in (*ALBEDO_THETA, *(180 - t for t in ALBEDO_THETA)):
-        for phi in azimuths:
-            for channel, (total, u) in _albedos(model, float(theta), float(phi)).items():
-                if total - 2 * u > highest - 2 * u_highest:
-                    highest, u_highest = total, u
-                    where = f"theta_i {theta:g}, phi_i {phi:g} ({channel})"
+    """The same number as `gonio export` and `gonio reduce` print."""
+    where, u = "", 0.0
+    if isinstance(model, (Klems, TensorTree)):
+        highest = model.max_albedo
+    else:
+        found = _native.largest_albedo(model)
+        highest, u = found["value"], found["error"]
+        where = f", at theta_i {found['theta_i']:g}, phi_i {found['phi_i']:g} ({found['channel']})"
     if highest == 0:
         return _verdict("energy", "energy", "warn", "no light leaves at any incidence", 0.0)
-    sure = highest - 2 * u_highest
+    sure = highest - 2 * u
     level: Level = "fail" if sure > ALBEDO_FAIL else "warn" if sure > ALBEDO_WARN else "pass"
     than = "no more light leaves than arrives" if level == "pass" else "more light leaves than arrives"
-    sentence = f"{than}: at most {highest:.4f} of it, at {where}"
-    return _verdict("energy", "energy", level, sentence, highest)
+    return _verdict("energy", "energy", level, f"{than}: at most {highest:.4f} of it{where}", highest)
 
 
-def _albedos(model: Bsdf, theta_i: float, phi_i: float) -> dict[str, tuple[float, float]]:
-    """Share of the light that leaves on both sides with its standard error, by channel, from samples."""
-    drawn = model.sample(theta_i=theta_i, phi_i=phi_i, u=_POINTS)
-    there = (drawn["weight"] > 0) & ~drawn["ideal"]
-    theta, phi = drawn["theta_s"][there], drawn["phi_s"][there]
-    density = drawn["pdf"][there] / np.abs(np.cos(np.radians(theta)))
-    found = {}
+def _reciprocity(model: Bsdf) -> float | None:
+    """Largest over channels and components of what `gonio compare` prints; None where nothing is known."""
+    phis = (0.0,) if model.properties["isotropic"] else PHI_I
+    means = []
     for channel in model.channels:
-        f = model.eval(theta_i=theta_i, phi_i=phi_i, theta_s=theta, phi_s=phi, channel=channel)
-        weights = np.zeros(len(_POINTS))
-        weights[there] = f / density
-        ideal = sum(
-            float(model.delta(theta_i=theta_i, phi_i=phi_i, component=component, channel=channel)["share"])
-            for component in ("reflection", "transmission")
-        )
-        error = float(np.std(weights)) / np.sqrt(len(weights))
-        found[channel] = (float(np.mean(weights)) + ideal, error)
-    return found
+        for side, component in KEYS:
+            found = [
+                _native.model_reciprocity(
+                    model,
+                    theta_i=theta if side == "front" else 180.0 - theta,
+                    phi_i=phi,
+                    component=component,
+                    channel=channel,
+                )
+                for theta in THETA_I
+                for phi in phis
+            ]
+            known = [v for v in found if math.isfinite(v)]
+            if known:
+                means.append(sum(known) / len(known))
+    return max(means, default=None)
 
 
 def _law(
     name: str, title: str, difference: float | None, limit: float | None, *, promised: bool, what: str
 ) -> Verdict:
     if difference is None:
-        return _verdict(name, title, "info", "nothing scatters")
+        return _verdict(name, title, "info", "nothing scatters, or nothing is known of it")
     kept = difference <= PROMISED
     level: Level
     if promised:

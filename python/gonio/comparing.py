@@ -26,8 +26,8 @@ THETA_I = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0)
 Job: TypeAlias = tuple[tuple[str, str], str, str, float, float]
 """Channels of a and b, side, component, theta_i and phi_i."""
 
-_PHI_I = (0.0, 45.0, 90.0, 135.0)
-_KEYS = [(s, c) for s in ("front", "back") for c in ("reflection", "transmission")]
+PHI_I = (0.0, 45.0, 90.0, 135.0)
+KEYS = [(s, c) for s in ("front", "back") for c in ("reflection", "transmission")]
 
 
 @dataclass(frozen=True)
@@ -39,17 +39,21 @@ class ComparedIncidence:
     theta_i, phi_i
         Incidence, degrees; above 90 the back is lit.
     rel_l1
-        Integral of |f_b - f_a| cos over that of f_a cos.
+        Integral of |f_b - f_a| cos over that of f_a cos, scattered light alone.
     rel_rms
         Root of the integral of (DSF_b - DSF_a)² over that of DSF_a².
     dhr_a, dhr_b
-        Directional-hemispherical reflectance or transmittance.
+        Directional-hemispherical reflectance or transmittance, light without spread included.
+    ideal_a, ideal_b
+        Share of the light that leaves without spread (mirror, unbent); of a table, what its cells hold of
+        that of the other model.
     peak_a, peak_b
         Largest DSF, 1/sr.
     peak_shift
         Angle between the directions of the largest DSF, degrees.
     reciprocity_a, reciprocity_b
-        Mean relative difference of f from f with the directions swapped; 0 for a reciprocal model.
+        Mean relative difference of f from f with the directions swapped; 0 for a reciprocal model, NaN where
+        nothing is known of light that comes the other way (transmission measured from one side).
     """
 
     channel: str
@@ -61,6 +65,8 @@ class ComparedIncidence:
     rel_rms: float
     dhr_a: float
     dhr_b: float
+    ideal_a: float
+    ideal_b: float
     peak_a: float
     peak_b: float
     peak_shift: float
@@ -86,7 +92,7 @@ class ModelComparison:
     channels
         Pairs of channels that were compared, of a and of b.
     warnings
-        What to know: components that only one of them has, ideal parts left out.
+        What to know: components that only one of them has.
     """
 
     rows: list[ComparedIncidence]
@@ -120,6 +126,7 @@ def summarised(rows: Sequence[ComparedIncidence]) -> dict[str, float]:
     -------
     dict
         rel_l1 (mean), rel_l1_max, rel_rms (mean), dhr_difference (of b from a where they differ most),
+        ideal_a, ideal_b (means), ideal_difference (of b from a where they differ most),
         peak_ratio (farthest from 1), peak_shift (largest, degrees), reciprocity_a, reciprocity_b (means). NaN
         where there is nothing.
     """
@@ -137,6 +144,9 @@ def summarised(rows: Sequence[ComparedIncidence]) -> dict[str, float]:
         "rel_l1_max": max(finite("rel_l1"), default=math.nan),
         "rel_rms": mean("rel_rms"),
         "dhr_difference": max((r.dhr_b - r.dhr_a for r in rows), key=abs, default=math.nan),
+        "ideal_a": mean("ideal_a"),
+        "ideal_b": mean("ideal_b"),
+        "ideal_difference": max((r.ideal_b - r.ideal_a for r in rows), key=abs, default=math.nan),
         "peak_ratio": max(ratios, key=lambda v: abs(math.log(v)), default=math.nan),
         "peak_shift": max(finite("peak_shift"), default=math.nan),
         "reciprocity_a": mean("reciprocity_a"),
@@ -157,8 +167,9 @@ def compare(
 
     A measurement takes part as the data-driven model that `gonio.build` makes of it. Directions are dense
     about the mirror and the unbent direction; lobes there narrower than about 0.5 degrees, and others
-    narrower than about 1 degree, are not resolved. Ideal parts (mirror, unbent) count as nothing; a warning
-    says so.
+    narrower than about 1 degree, are not resolved. Scattered light is compared with scattered light, and the
+    ideal parts (mirror, unbent) with each other; where one model is a table without such a part, the light
+    that its cells in the ideal direction hold beyond the scattered light of the other counts as one.
 
     Parameters
     ----------
@@ -185,14 +196,14 @@ def compare(
     """
     first, second = (model_of(m, channel=channel, progress=progress) for m in (a, b))
     channels = _channels(first, second, channel)
-    lit = {k: [scatters(m, *k) for m in (first, second)] for k in _KEYS}
-    asked = list(components) if components is not None else [k for k in _KEYS if any(lit[k])]
-    if not asked or any(k not in _KEYS for k in asked):
+    lit = {k: [scatters(m, *k) for m in (first, second)] for k in KEYS}
+    asked = list(components) if components is not None else [k for k in KEYS if any(lit[k])]
+    if not asked or any(k not in KEYS for k in asked):
         found = ", ".join("-".join(k) for k in asked) or "none that scatters"
-        raise DomainError(f"components: found {found}, allowed {', '.join('-'.join(k) for k in _KEYS)}")
+        raise DomainError(f"components: found {found}, allowed {', '.join('-'.join(k) for k in KEYS)}")
     dark = ["-".join(k) for k in asked if not any(lit[k])]
     if dark:
-        there = ", ".join("-".join(k) for k in _KEYS if any(lit[k])) or "none"
+        there = ", ".join("-".join(k) for k in KEYS if any(lit[k])) or "none"
         raise QuantityError(
             f"components: found {', '.join(dark)}, where neither scatters, needed some of {there}"
         )
@@ -200,11 +211,6 @@ def compare(
         f"{side} {component}: only {'a' if lit[side, component][0] else 'b'} scatters there"
         for side, component in asked
         if sum(lit[side, component]) == 1
-    ]
-    warnings += [
-        f"the ideal part of {n} is left out"
-        for n, m in zip("ab", (first, second), strict=True)
-        if m.has_delta
     ]
     isotropic = first.properties["isotropic"] and second.properties["isotropic"]
     at = _incidences(incidences, isotropic=isotropic)
@@ -227,7 +233,7 @@ def _incidences(
 ) -> dict[str, list[tuple[float, float]]]:
     """(theta_i, phi_i) by side of incidence."""
     if given is None:
-        phis = _PHI_I[:1] if isotropic else _PHI_I
+        phis = PHI_I[:1] if isotropic else PHI_I
         front = [(t, p) for t in THETA_I for p in phis]
         return {"front": front, "back": [(180.0 - t, p) for t, p in front]}
     for theta, phi in given:
@@ -280,10 +286,13 @@ def scatters(model: Bsdf, side: str, component: str) -> bool:
     """Whether light that arrives on `side` goes into `component`, at any of some directions."""
     for theta in (5.0, 40.0, 70.0):
         up = (component == "reflection") == (side == "front")
+        at = theta if side == "front" else 180.0 - theta
         seen = [t if up else 180.0 - t for t in (0.0, 10.0, 40.0, 70.0, theta)]
         for c in model.channels:
+            if model.delta(theta_i=at, phi_i=0.0, component=component, channel=c)["share"] > 0.0:
+                return True
             f = model.eval(
-                theta_i=theta if side == "front" else 180.0 - theta,
+                theta_i=at,
                 phi_i=0.0,
                 theta_s=[[t] for t in seen],
                 phi_s=[0.0, 60.0, 120.0, 180.0],
@@ -317,9 +326,16 @@ def _at(a: Bsdf, b: Bsdf, job: Job) -> ComparedIncidence:
         rel_rms=found["rel_rms"],
         dhr_a=found["albedo_a"],
         dhr_b=found["albedo_b"],
+        ideal_a=found["ideal_a"],
+        ideal_b=found["ideal_b"],
         peak_a=found["peak_a"],
         peak_b=found["peak_b"],
         peak_shift=found["peak_shift"],
         reciprocity_a=found["reciprocity_a"],
         reciprocity_b=found["reciprocity_b"],
     )
+
+
+def reciprocity_text(value: float) -> str:
+    """A reciprocity as it is printed: per cent, or why there is none."""
+    return f"{100 * value:.2f} %" if math.isfinite(value) else "unknown (one side measured)"

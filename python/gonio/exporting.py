@@ -16,6 +16,7 @@ from gonio import _native, bird
 from gonio._native import Bsdf, DomainError, QuantityError, Scan, Slice
 from gonio.building import build
 from gonio.checking import MeasurementOrPath, loaded
+from gonio.comparing import PHI_I, THETA_I
 from gonio.files import check_directory, replacing_directory, replacing_file
 from gonio.measurement import Measurement
 from gonio.model_files import read_bsdf
@@ -31,7 +32,7 @@ FORMATS = (*MODEL_FORMATS, *TABLE_FORMATS, "mountain")
 MOUNTAIN_INDEX = "index.csv"
 """Names the incidence and channel of each file of a Mountain export; marks the directory as one."""
 
-LOSS_THETA_I = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0)
+LOSS_THETA_I = THETA_I
 """Degrees from the normal of the lit side: the incidences at which an export is compared with its model."""
 
 Component = tuple[str, str]
@@ -43,11 +44,13 @@ class Export:
     """What was written where, and what the reduction of the model found and lost (empty for tables).
 
     `report["loss"]` maps (side, component) to a dict of the comparison with the full model at the incidences
-    `LOSS_THETA_I`: rel_l1 (mean) and rel_l1_max of the integral of |df| cos over that of f cos,
+    `LOSS_THETA_I`: rel_l1 (mean) and rel_l1_max of the integral of |df| cos over that of f cos of the
+    scattered light, ideal and ideal_model (means of the share of the light without spread: of a table, what
+    its cells in the ideal direction hold), ideal_difference (where they differ most),
     dhr_difference, the directional albedo of the reduced model less that of the full one where they differ
     most, peak_ratio, the greatest value of the reduced model over that of the full one where they differ
     most, reciprocity and reciprocity_model, the mean relative difference of f from f with the directions
-    swapped.
+    swapped (NaN where nothing is known of light that comes the other way).
     NaN where the model does not scatter.
     """
 
@@ -209,10 +212,6 @@ def export(
                 "patches or cells in the mirror and through directions hold light that leaves unscattered: "
                 "name the file in an aBSDF material and Radiance shows what is behind it sharp"
             )
-            notes.append(
-                "the loss compares the table with the BSDF alone: relative L1 and peak count that light as "
-                "error, its DHR does not"
-            )
         if not as_visible and (label := reduced.channels[0]) != "photopic":
             notes.append(
                 f"the data are labelled {label}, and Radiance renders what is labelled Visible only: "
@@ -254,7 +253,9 @@ def _loss(
     model: Bsdf, reduced: Bsdf, channel: str | None, components: Sequence[Component]
 ) -> dict[Component, dict[str, float]]:
     """What the reduced model loses, by component; see `Export`."""
-    phi_i = (0.0,) if model.properties["isotropic"] else (0.0, 45.0, 90.0, 135.0)
+    # the azimuths of `compare`
+    isotropic = model.properties["isotropic"] and reduced.properties["isotropic"]
+    phi_i = (0.0,) if isotropic else PHI_I
     losses: dict[Component, dict[str, float]] = {}
     for side, component in components:
         names = [channel or model.channels[0], reduced.channels[0]]
@@ -288,6 +289,9 @@ def _loss(
             "rel_l1_max": max(rel_l1, default=math.nan),
             "dhr_difference": max(differences, key=abs),
             "peak_ratio": max(peaks, key=lambda ratio: abs(math.log(ratio)), default=math.nan),
+            "ideal": _mean([one["ideal_reduced"] for one in at]),
+            "ideal_model": _mean([one["ideal_model"] for one in at]),
+            "ideal_difference": max((one["ideal_reduced"] - one["ideal_model"] for one in at), key=abs),
             "reciprocity": _mean([one["reciprocity_b"] for one in swapped]),
             "reciprocity_model": _mean([one["reciprocity_a"] for one in swapped]),
         }

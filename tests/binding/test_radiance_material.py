@@ -123,3 +123,46 @@ def test_an_ideal_part_is_exported_to_its_patches_and_not_lost_in_a_compact_mode
     assert share == pytest.approx(0.9, abs=0.005)
     with pytest.raises(gonio.DomainError, match="model: found an ideal part"):
         gonio.reduce(mirror)
+
+
+@pytest.mark.parametrize("to", ["radiance-klems", "radiance-ttree"])
+def test_the_loss_of_an_export_tells_unscattered_light_from_scattered(tmp_path, to):
+    curtain = radiance("void trans c 0 0 7 .8 .8 .8 0 0 .6 .5")
+    out = tmp_path / "c.xml"
+    written = gonio.export(curtain, to=to, channel="green", as_visible=True, out=out)
+    for loss in (written.report["loss"][s, "transmission"] for s in ("front", "back")):
+        assert loss["ideal_model"] == pytest.approx(0.24, rel=1e-9)
+        assert loss["ideal"] == pytest.approx(0.24, rel=0.01)
+        assert abs(loss["ideal_difference"]) < 0.003
+        assert loss["rel_l1_max"] < 0.01
+        assert loss["peak_ratio"] == pytest.approx(1, abs=0.01)
+        assert abs(loss["dhr_difference"]) < 0.003
+    assert not any("relative L1" in note for note in written.warnings)
+    table = gonio.read_radiance(out)
+    checked = {v.id: v.value for v in gonio.check_model(table)}
+    assert checked["energy"] == pytest.approx(written.report["max_albedo"], rel=1e-5)
+    printed = [loss["reciprocity"] for loss in written.report["loss"].values()]
+    assert checked["reciprocity"] == pytest.approx(max(printed), rel=1e-3, abs=1e-6)
+    for theta_i in (0.0, 14.4, 40.0, 150.0):
+        for pair in ((curtain, table), (table, curtain)):
+            names = {"channel_a": pair[0].channels[-2:][0], "channel_b": pair[1].channels[-2:][0]}
+            at = {"theta_i": theta_i, "phi_i": 10.0, "component": "transmission"}
+            row = gonio._native.compare_models(*pair, **at, **names)
+            assert row["ideal_a"] == pytest.approx(0.24, rel=0.02)
+            assert row["ideal_b"] == pytest.approx(0.24, rel=0.02)
+            assert row["albedo_a"] == pytest.approx(row["albedo_b"], rel=0.01)
+            assert row["rel_l1"] < 0.01
+
+
+def test_two_models_with_unscattered_light_are_compared_in_it():
+    curtain, clearer = (radiance(f"void trans c 0 0 7 .8 .8 .8 0 0 .6 {t}") for t in (0.5, 0.6))
+    found = gonio.compare(curtain, clearer, channel="green", components=[("front", "transmission")])
+    assert found.warnings == []
+    for row in found.rows:
+        assert (row.ideal_a, row.ideal_b) == pytest.approx((0.24, 0.288))
+        assert row.rel_l1 == pytest.approx(0.2)
+        assert (row.dhr_a, row.dhr_b) == pytest.approx((0.48, 0.48), rel=1e-3)
+    pane = radiance("void glass g 0 0 3 .9 .9 .9")
+    found = gonio.compare(pane, pane, channel="red")
+    assert {(r.side, r.component) for r in found.rows} == set(gonio.comparing.KEYS)
+    assert all(row.ideal_a == row.ideal_b > 0.05 for row in found.rows)

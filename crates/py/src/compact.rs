@@ -185,8 +185,8 @@ fn compact_of(
 }
 
 /// Two models at one incidence (degrees), over directions dense about the mirror or unbent direction: dict of rel_l1, rel_rms
-/// (of b from a), albedo_a, albedo_b, peak_a, peak_b (largest DSF, 1/sr), peak_shift (degrees), reciprocity_a, reciprocity_b
-/// (mean relative difference of f from f with the directions swapped). Raises DomainError, and QuantityError for a channel
+/// (of b from a), albedo_a, albedo_b, ideal_a, ideal_b (share of the light without spread, or what a table holds of it), peak_a, peak_b (largest DSF, 1/sr), peak_shift (degrees), reciprocity_a, reciprocity_b
+/// (mean relative difference of f from f with the directions swapped; NaN where nothing is known of light the other way). Raises DomainError, and QuantityError for a channel
 /// that is not there.
 #[pyfunction]
 #[pyo3(signature = (a, b, *, theta_i, phi_i=0.0, component="reflection", channel_a=None, channel_b=None))]
@@ -213,10 +213,47 @@ fn compare_models<'py>(
     d.set_item("rel_rms", found.rel_rms)?;
     for (k, name) in ["a", "b"].into_iter().enumerate() {
         d.set_item(format!("albedo_{name}"), found.albedo[k])?;
+        d.set_item(format!("ideal_{name}"), found.ideal[k])?;
         d.set_item(format!("peak_{name}"), found.peak[k])?;
         d.set_item(format!("reciprocity_{name}"), found.reciprocity[k])?;
     }
     d.set_item("peak_shift", found.peak_shift.to_degrees())?;
+    Ok(d)
+}
+
+/// Mean relative difference of f from f with the directions swapped at one incidence (degrees), as `compare_models` has it: NaN
+/// where nothing scatters, and where nothing is known of light the other way. Raises DomainError, QuantityError.
+#[pyfunction]
+#[pyo3(signature = (bsdf, *, theta_i, phi_i=0.0, component="reflection", channel=None))]
+fn model_reciprocity(
+    py: Python<'_>,
+    bsdf: &Bsdf,
+    theta_i: f64,
+    phi_i: f64,
+    component: &str,
+    channel: Option<&str>,
+) -> PyResult<f64> {
+    let wi = angles(["theta_i", "phi_i"], theta_i, phi_i)?.direction();
+    let component = component_of(component)?;
+    let channel = bsdf.channel_index(channel)?;
+    let model = bsdf.0.clone();
+    py.detach(|| reduce::reciprocity((&*model, channel), wi, component))
+        .or_raise()
+}
+
+/// The largest share of the light that leaves a model on both sides, over incidences every 5 degrees: dict of value, error
+/// (standard error of the sampling), channel, theta_i, phi_i (degrees).
+#[pyfunction]
+fn largest_albedo<'py>(py: Python<'py>, bsdf: &Bsdf) -> PyResult<Bound<'py, PyDict>> {
+    let model = bsdf.0.clone();
+    let found = py.detach(|| reduce::largest_albedo(&*model));
+    let (theta, phi) = found.at.to_degrees();
+    let d = PyDict::new(py);
+    d.set_item("value", found.value)?;
+    d.set_item("error", found.error)?;
+    d.set_item("channel", bsdf.0.channels()[found.channel].to_string())?;
+    d.set_item("theta_i", theta)?;
+    d.set_item("phi_i", phi)?;
     Ok(d)
 }
 
@@ -232,5 +269,7 @@ pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(to_compact, m)?)?;
     m.add_function(wrap_pyfunction!(compact_of, m)?)?;
     m.add_function(wrap_pyfunction!(side_by_side, m)?)?;
-    m.add_function(wrap_pyfunction!(compare_models, m)?)
+    m.add_function(wrap_pyfunction!(compare_models, m)?)?;
+    m.add_function(wrap_pyfunction!(model_reciprocity, m)?)?;
+    m.add_function(wrap_pyfunction!(largest_albedo, m)?)
 }

@@ -89,6 +89,12 @@ impl Klems {
         self.material.clone_ref(py)
     }
 
+    /// Greatest directional albedo, reflection and transmission of one side together, over the incident patches.
+    #[getter]
+    fn max_albedo(&self) -> f64 {
+        self.model.max_albedo()
+    }
+
     /// The matrix of one component in 1/sr, shape (exit patches, incident patches), float32.
     #[pyo3(signature = (*, side="front", component="reflection"))]
     fn matrix<'py>(
@@ -169,6 +175,12 @@ impl TensorTree {
     fn albedo(&self, theta_i: f64, phi_i: f64, component: &str) -> PyResult<f64> {
         let wi = crate::arrays::angles(["theta_i", "phi_i"], theta_i, phi_i)?.direction();
         Ok(self.model.directional_albedo(wi, component_of(component)?))
+    }
+
+    /// Greatest directional albedo, reflection and transmission of one side together, over the incident cells.
+    #[getter]
+    fn max_albedo(&self, py: Python<'_>) -> f64 {
+        py.detach(|| self.model.max_albedo())
     }
 
     /// Number of cells of all components.
@@ -414,7 +426,8 @@ fn copy<T: Clone>(four: &FourComponents<T>) -> FourComponents<T> {
 }
 
 /// What `reduced` loses of `bsdf` at one incidence (degrees): dict of rel_l1, rel_rms, albedo_model, albedo_reduced,
-/// peak_ratio on a grid of `grid` x `grid` directions of equal projected solid angle. Raises DomainError.
+/// peak_ratio on a grid of `grid` x `grid` directions of equal projected solid angle, ideal_model and ideal_reduced (share of
+/// the light without spread; scattered light is compared with scattered light). Raises DomainError.
 #[pyfunction]
 #[pyo3(signature = (bsdf, reduced, *, theta_i, phi_i=0.0, component="reflection", channel=None, grid=200))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
@@ -444,6 +457,8 @@ fn reduction_loss<'py>(
     d.set_item("albedo_model", l.albedo_model)?;
     d.set_item("albedo_reduced", l.albedo_reduced)?;
     d.set_item("peak_ratio", l.peak_ratio)?;
+    d.set_item("ideal_model", l.ideal_model)?;
+    d.set_item("ideal_reduced", l.ideal_reduced)?;
     Ok(d)
 }
 

@@ -11,8 +11,9 @@ from rich.table import Table
 import gonio
 from gonio.cli.component import Components, components_of
 from gonio.cli.running import Json, out, print_json, progress_bar, warn
+from gonio.comparing import reciprocity_text
 
-_KIND = "File of a model (BSDF XML, RGL, MERL, compact) or directory of gonio process"
+_KIND = "File of a model (BSDF XML, SIR, RGL, MERL, compact) or directory of gonio process"
 
 
 def compare(
@@ -83,8 +84,14 @@ def compare(
         out.print(
             f"  mean {100 * total['rel_l1']:.2f} % relative L1, largest {100 * total['rel_l1_max']:.2f} %; "
             f"{quantity} by at most {total['dhr_difference']:+.4f}; "
-            f"reciprocity {100 * total['reciprocity_a']:.2f} and {100 * total['reciprocity_b']:.2f} %"
+            f"reciprocity {reciprocity_text(total['reciprocity_a'])} "
+            f"and {reciprocity_text(total['reciprocity_b'])}"
         )
+        if total["ideal_a"] > 0 or total["ideal_b"] > 0:
+            out.print(
+                f"  unscattered {total['ideal_a']:.4f} and {total['ideal_b']:.4f} of the light, "
+                f"by at most {total['ideal_difference']:+.4f}"
+            )
     if picture is not None:
         out.print(f"{picture}")
 

@@ -11,6 +11,7 @@ import gonio
 from gonio.cli.build import Candidate, Channel, Smooth, Symmetry
 from gonio.cli.component import Components, components_of
 from gonio.cli.running import Force, Json, out, print_json, progress_bar, warn
+from gonio.comparing import reciprocity_text
 
 
 def export(
@@ -95,7 +96,8 @@ def export(
     out.print(f"{written.out}")
     albedo = written.report.get("max_albedo")
     if albedo is not None:
-        out.print(f"  largest directional albedo {albedo:.4f}")
+        before = ", before scaling" if written.report.get("capped") else ""
+        out.print(f"  largest directional albedo {albedo:.4f}{before}")
     for (side, kind), loss in written.report.get("loss", {}).items():
         quantity = "DHR" if kind == "reflection" else "DHT"
         out.print(
@@ -103,9 +105,14 @@ def export(
             f"(largest {100 * loss['rel_l1_max']:.2f} %), "
             f"{quantity} by at most {loss['dhr_difference']:+.4f}, "
             f"peak {loss['peak_ratio']:.3f} of the model's where they differ most, "
-            f"reciprocal within {100 * loss['reciprocity']:.1f} % "
-            f"(model {100 * loss['reciprocity_model']:.1f} %)"
+            f"reciprocity {reciprocity_text(loss['reciprocity'])} "
+            f"(model {reciprocity_text(loss['reciprocity_model'])})"
         )
+        if loss["ideal_model"] > 0:
+            out.print(
+                f"  {side} {kind}, unscattered: {loss['ideal']:.4f} of the light "
+                f"(model {loss['ideal_model']:.4f}), by at most {loss['ideal_difference']:+.4f}"
+            )
     capped = written.report.get("capped")
     if capped:
         out.print(f"  {len(capped)} incident patches scaled down to albedo 1")

@@ -10,7 +10,7 @@ import typer
 import gonio
 from gonio.cli.component import Components, components_of
 from gonio.cli.running import Json, out, print_json, progress_bar, warn
-from gonio.comparing import summarised
+from gonio.comparing import reciprocity_text, summarised
 from gonio.reducing import Reduction
 
 Target = Annotated[
@@ -32,7 +32,7 @@ Name = Annotated[str | None, typer.Option("--name", help="Name of the material. 
 def reduce(
     model: Annotated[
         Path,
-        typer.Argument(help="File of a model (BSDF XML, RGL, MERL, compact) or directory of gonio process."),
+        typer.Argument(help="File of a model (XML, SIR, RGL, MERL, compact) or directory of gonio process."),
     ],
     target_file: Annotated[Path, typer.Option("-o", "--out", help="File of the compact model (.nc).")],
     channel: Annotated[
@@ -78,6 +78,7 @@ def show(reduction: Reduction) -> None:
             f"  {side} {component}: table of {size} bytes a channel; from the full model "
             f"{100 * loss['rel_l1']:.2f} % relative L1 (largest {100 * loss['rel_l1_max']:.2f} %), "
             f"{quantity} by at most {loss['dhr_difference']:+.4f}, peak by {peak:+.1f} %, "
-            f"reciprocity {100 * loss['reciprocity_b']:.2f} % (full {100 * loss['reciprocity_a']:.2f} %)"
+            f"reciprocity {reciprocity_text(loss['reciprocity_b'])} "
+            f"(full {reciprocity_text(loss['reciprocity_a'])})"
         )
     out.print(f"  largest directional albedo {reduction.model.report['max_albedo']:.4f}")
