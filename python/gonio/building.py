@@ -112,9 +112,11 @@ def stated_errors(model: DataDriven) -> list[dict[str, Any]]:
     -------
     list of dict
         Rows with side, component, theta_i and phi_i (degrees), measured (whether a slice stands there), and
-        the relative L1 error of the DSF: slice (noise and the distance of readings), incidence (between or
-        beyond the measured ones; None where no incidence could be left out to tell), total. Incidences
-        between and beyond are those of isotropic samples, half a step away.
+        the relative L1 error of the DSF: slice (noise, the distance of readings, and how far repeats of one
+        incidence differ beyond their noise), incidence (between or beyond the measured ones; None where no
+        incidence could be left out to tell), total; coverage of the incidence (measured, interpolated,
+        extrapolated); extrapolated, the share of the light that goes where no readings stand, whose error is
+        in none of them. Incidences between and beyond are those of isotropic samples, half a step away.
     """
     rows: list[dict[str, Any]] = []
     for part in model.summary:

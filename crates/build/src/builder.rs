@@ -21,6 +21,7 @@ use crate::node::{Node, Statistics};
 use crate::peak;
 use crate::pile::{OWN_LOBES, Pile, local_incidence, piles};
 use crate::readings::Readings;
+use crate::repeats::{self, Repeats};
 use crate::slice_surface::SliceSurface;
 use crate::stated::PartErrors;
 use crate::symmetry::{self, mirror_symmetric, polar};
@@ -182,7 +183,7 @@ impl Job<'_> {
         let bilateral =
             isotropic && !agree.is_empty() && 2 * agree.iter().filter(|a| **a).count() > agree.len();
 
-        let slice_errors: Vec<SliceError> = piles
+        let mut slice_errors: Vec<SliceError> = piles
             .par_iter_mut()
             .zip(directions)
             .map(|(pile, &i)| {
@@ -194,6 +195,20 @@ impl Job<'_> {
                 pile.by_own_lobes(options.smooth, joint, error)
             })
             .collect();
+        if share == Share::All {
+            let repeats: Vec<Option<Repeats>> = piles
+                .iter()
+                .zip(directions)
+                .map(|(pile, &i)| {
+                    let joint = base.map(|b| Divisor::Joint(Arc::clone(b), i));
+                    Repeats::of(pile, (side, component), isotropic, options.smooth, joint.as_ref())
+                })
+                .collect();
+            notes.extend(repeats::note(&format!("{side} {component}"), &repeats));
+            for (error, repeats) in slice_errors.iter_mut().zip(&repeats) {
+                error.repeats = repeats.map_or(0.0, |r| r.of_mean());
+            }
+        }
         let symmetry = if let Share::Peak(known) = share {
             known
         } else if isotropic {

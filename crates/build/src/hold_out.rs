@@ -36,6 +36,8 @@ pub(crate) struct SliceError {
     pub(crate) noise: f64,
     /// Interpolation between readings.
     pub(crate) gap: f64,
+    /// How far the mean of repeats is from what they repeat.
+    pub(crate) repeats: f64,
 }
 
 impl SliceError {
@@ -44,12 +46,13 @@ impl SliceError {
         SliceError {
             noise: unit * self.noise,
             gap: unit * self.gap,
+            repeats: unit * self.repeats,
         }
     }
 
-    /// Both.
+    /// All together.
     pub(crate) fn total(&self) -> f64 {
-        self.noise.hypot(self.gap)
+        self.noise.hypot(self.gap).hypot(self.repeats)
     }
 
     /// Of a slice whose `bsdf` at reading `j` and solid angle times cosine `weight` are known.
@@ -90,6 +93,7 @@ impl SliceError {
         SliceError {
             noise: (2.0 / PI).sqrt() * noise / total,
             gap: SHARE * gap,
+            repeats: 0.0,
         }
     }
 }

@@ -22,6 +22,7 @@ mod plane;
 mod profile;
 mod readings;
 mod reciprocity;
+mod repeats;
 mod sampling;
 mod smoothing;
 mod spacing;

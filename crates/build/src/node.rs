@@ -1,5 +1,6 @@
 //! A measured incidence, made ready for evaluation.
 
+use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
 use gonio_geom::{Angles, DVec3};
@@ -17,6 +18,9 @@ const MASK_CELLS: usize = 180;
 
 /// Share of the hemisphere up to 75 degrees whose BSDF lies below the diffuse level.
 const LEVEL_QUANTILE: f64 = 0.05;
+
+/// Directions, even over projected solid angle, over which light outside the readings is summed up.
+const OUTSIDE: usize = 4000;
 
 /// Largest error of the resampled slice relative to the value, when the readings have no noise.
 const TABLE_ERROR: f64 = 1e-3;
@@ -221,6 +225,21 @@ impl Node {
         let p = to_plane(s);
         let cell = |x: f64| (((x + 1.0) * 0.5 * MASK_CELLS as f64).max(0.0) as usize).min(MASK_CELLS - 1);
         self.mask[cell(p[1]) * MASK_CELLS + cell(p[0])]
+    }
+
+    /// Share of the incident light that goes where no readings stand.
+    pub(crate) fn extrapolated_light(&self) -> f64 {
+        let golden = PI * (1.0 + 5f64.sqrt());
+        let sum: f64 = (0..OUTSIDE)
+            .map(|k| {
+                let r = ((k as f64 + 0.5) / OUTSIDE as f64).sqrt();
+                let (s, c) = (golden * k as f64).sin_cos();
+                DVec3::new(r * c, r * s, (1.0 - r * r).sqrt())
+            })
+            .filter(|&s| !self.measured(s))
+            .map(|s| self.value(s).max(0.0))
+            .sum();
+        PI * sum / OUTSIDE as f64
     }
 
     /// Number of values the slice was resampled to.

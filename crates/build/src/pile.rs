@@ -151,6 +151,7 @@ impl Pile<'_> {
         SliceError {
             noise: each.iter().map(|e| e.noise).sum::<f64>() / n / views.sqrt(),
             gap: each.iter().map(|e| e.gap).sum::<f64>() / n,
+            repeats: 0.0,
         }
     }
 }

@@ -8,12 +8,15 @@
 //! cube, extrapolation with the distance over the cosine.
 
 use gonio_geom::DVec3;
+use rayon::prelude::*;
 
 use crate::across::{Candidate, Order};
 use crate::hold_out::SliceError;
 use crate::images::Symmetry;
+use crate::incidence::SAME_INCIDENCE;
 use crate::layout::Layout;
 use crate::leave_one_out::{Fold, Held, LooError};
+use crate::slice_surface::Coverage;
 
 /// Exponent of the squared spread that errors go with.
 const LINEAR: f64 = 1.0;
@@ -39,10 +42,15 @@ const LEAST_COSINE: f64 = 0.02;
 /// What a model states about its error at one incidence; relative L1 of the DSF, `sum w |f' - f| / sum w f`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatedError {
-    /// Noise and interpolation between the readings of the slices.
+    /// Noise and interpolation between the readings of the slices, and how far repeats of one incidence differ beyond their noise.
     pub slice: f64,
     /// Interpolation between incidences, or extrapolation; `None` where no incidence could be left out to tell.
     pub incidence: Option<f64>,
+    /// How the incidence is known: measured, between measured ones, or beyond them.
+    pub coverage: Coverage,
+    /// Share of the scattered light that goes where no readings stand: past the last of them towards the horizon, into holes. Its
+    /// error is not known, and not in the others.
+    pub extrapolated: f64,
 }
 
 impl StatedError {
@@ -59,6 +67,8 @@ pub(crate) struct PartErrors {
     slices: Vec<SliceError>,
     /// Share of the incident light of each incidence.
     light: Vec<f64>,
+    /// The same of what goes where no readings stand.
+    outside: Vec<f64>,
     /// The errors of a peak that is added.
     peak: Option<Box<PartErrors>>,
     power: f64,
@@ -141,9 +151,15 @@ impl PartErrors {
             let last = thetas.next_back();
             Some([thetas.next_back()?, last?])
         });
+        let outside = if absolute {
+            vec![0.0; all.len()]
+        } else {
+            all.par_iter().map(|h| h.node.extrapolated_light()).collect()
+        };
         PartErrors {
             slices,
             light,
+            outside,
             peak: None,
             power,
             within: inside,
@@ -185,6 +201,8 @@ impl PartErrors {
         let all = main + light(peak);
         let both = |a: f64, b: f64| (a * main).hypot(b) / all;
         StatedError {
+            extrapolated: rest.extrapolated * main / all,
+            coverage: rest.coverage,
             slice: both(rest.slice, narrow.slice),
             incidence: match (rest.incidence, narrow.incidence) {
                 (Some(a), Some(b)) => Some(both(a, b)),
@@ -210,9 +228,20 @@ impl PartErrors {
             let least = self.in_last_gap(i);
             (total > 0.0).then(|| (sum / total * gap(layout, i, self.power)).max(least))
         };
+        let near = layout.near(i);
+        let mean = |of: &[f64]| -> f64 { near.iter().map(|k| k.weight * of[k.node]).sum() };
+        let (outside, light) = (mean(&self.outside), mean(&self.light));
         StatedError {
             slice: slice_part(layout, &self.slices, i),
             incidence,
+            coverage: if layout.distance(i) <= SAME_INCIDENCE {
+                Coverage::Measured
+            } else if near.inside {
+                Coverage::Interpolated
+            } else {
+                Coverage::Extrapolated
+            },
+            extrapolated: outside / (outside + light).max(f64::MIN_POSITIVE),
         }
     }
 }
@@ -258,14 +287,15 @@ fn distance(layout: &Layout, i: DVec3) -> f64 {
     layout.past(i) / i.z.max(LEAST_COSINE)
 }
 
-/// Error of the slices around `i`: their noise is independent, gaps between readings err alike.
+/// Error of the slices around `i`: their noise is independent, gaps between readings err alike, and other samples differ alike.
 fn slice_part(layout: &Layout, slices: &[SliceError], i: DVec3) -> f64 {
-    let (mut noise, mut gap) = (0.0, 0.0);
+    let (mut noise, mut gap, mut repeats) = (0.0, 0.0, 0.0);
     for k in layout.near(i).iter() {
         noise += (k.weight * slices[k.node].noise).powi(2);
         gap += k.weight * slices[k.node].gap;
+        repeats += k.weight * slices[k.node].repeats;
     }
-    noise.sqrt().hypot(gap)
+    noise.sqrt().hypot(gap).hypot(repeats)
 }
 
 #[cfg(test)]
@@ -280,10 +310,12 @@ mod tests {
         let slice = SliceError {
             noise: 0.01,
             gap: 0.0,
+            repeats: 0.0,
         };
         let errors = PartErrors {
             slices: vec![slice; 3],
-            light: vec![1.0; 3],
+            light: vec![0.9; 3],
+            outside: vec![0.1; 3],
             peak: None,
             power: LINEAR,
             within: vec![(at(30.0), 0.5)],
@@ -292,6 +324,10 @@ mod tests {
         };
         let stated = |t: f64| errors.at(&layout, at(t));
         assert!(stated(30.0).incidence.unwrap() < 1e-12 && (stated(30.0).slice - 0.01).abs() < 1e-12);
+        assert_eq!(stated(30.0).coverage, Coverage::Measured);
+        assert_eq!(stated(20.0).coverage, Coverage::Interpolated);
+        assert_eq!(stated(60.0).coverage, Coverage::Extrapolated);
+        assert!((stated(20.0).extrapolated - 0.1).abs() < 1e-12);
         let middle = stated(20.0);
         assert!((middle.incidence.unwrap() - 0.5 * 10f64.to_radians().powi(2)).abs() < 1e-9);
         let half_extrapolated = 0.5 * 0.2 * 10f64.to_radians() / 40f64.to_radians().cos();

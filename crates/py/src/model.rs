@@ -187,7 +187,9 @@ impl DataDriven {
     }
 
     /// The error stated at one incidence (degrees) for light into "reflection" or "transmission", fractions of the DSF
-    /// (relative L1): slice, incidence (None where it is not known), total; None where that was not measured.
+    /// (relative L1): slice, incidence (None where it is not known), total; coverage of the incidence (measured, interpolated,
+    /// extrapolated), and extrapolated, the share of the light that goes where no readings stand, whose error is in none of them;
+    /// None where that was not measured.
     #[pyo3(signature = (*, theta_i, phi_i, component="reflection"))]
     fn stated_error<'py>(
         &self,
@@ -215,6 +217,8 @@ impl DataDriven {
         dict.set_item("slice", stated.slice)?;
         dict.set_item("incidence", stated.incidence)?;
         dict.set_item("total", stated.total())?;
+        dict.set_item("coverage", stated.coverage.name())?;
+        dict.set_item("extrapolated", stated.extrapolated)?;
         Ok(Some(dict))
     }
 

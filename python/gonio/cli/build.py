@@ -134,11 +134,16 @@ def place(row: Mapping[str, Any]) -> str:
 
 def of_error(row: Mapping[str, Any]) -> str:
     """A stated error in words."""
+    beyond = row["coverage"] == "extrapolated"
+    outside = ""
+    if row["extrapolated"] >= 0.001:
+        outside = f"; {100 * row['extrapolated']:.1f} % of the light goes where nothing was read"
     if row["measured"]:
-        return f"{100 * row['slice']:.2f} % (measured)"
+        return f"{100 * row['slice']:.2f} % (measured){outside}"
+    where = "beyond the incidences" if beyond else "between incidences"
     if row["incidence"] is None:
-        return f"slices {100 * row['slice']:.2f} %, between incidences not known"
+        return f"slices {100 * row['slice']:.2f} %, {where} not known{outside}"
     return (
         f"{100 * row['total']:.2f} % (slices {100 * row['slice']:.2f} %, "
-        f"between incidences {100 * row['incidence']:.2f} %)"
+        f"{where} {100 * row['incidence']:.2f} %){outside}"
     )
