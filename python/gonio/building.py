@@ -67,7 +67,10 @@ def build(
         part of the model (`delta`), apart from the BSDF; needs a measurement that knows its beam. Otherwise
         it stays in the BSDF as the instrument saw it.
     progress
-        Called with stage, parts done and parts in all.
+        Called with stage, steps done and steps in all, from the calling thread and some twenty times a second
+        at most: "building" as a whole, and within it reading, fitting bases, slices, symmetry, resampling,
+        refitting bases, leaving incidences out (candidates), choosing, for one side and component after the
+        other. An exception that it raises stops the build, as Ctrl-C does.
 
     Returns
     -------
@@ -90,11 +93,29 @@ def build(
         A saved measurement cannot be loaded.
     """
     data = loaded(measurement)._data
-    progress("building", 0, 1)
+    watch = _native.BuildWatch()
+    last = ("building", 0, 1)
+    progress(*last)
+
+    def tell() -> None:
+        nonlocal last
+        now = watch.progress()
+        if now[2] > 0 and now != last:
+            last = now
+            progress(*now)
+
     model = interruptible(
         lambda: _native.build(
-            data, channel=channel, symmetry=symmetry, smooth=smooth, candidate=candidate, direct=direct
-        )
+            data,
+            channel=channel,
+            symmetry=symmetry,
+            smooth=smooth,
+            candidate=candidate,
+            direct=direct,
+            watch=watch,
+        ),
+        tick=tell,
+        stop=watch.stop,
     )
     progress("building", 1, 1)
     return model

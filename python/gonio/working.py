@@ -16,11 +16,18 @@ def silent(stage: str, done: int, total: int) -> None:
     """Progress that nobody watches."""
 
 
-def interruptible(work: Callable[[], T]) -> T:
+def nothing() -> None:
+    """A step that does nothing."""
+
+
+def interruptible(
+    work: Callable[[], T], *, tick: Callable[[], None] = nothing, stop: Callable[[], None] = nothing
+) -> T:
     """Result of `work`, run beside the calling thread so that Ctrl-C is heard while native code computes.
 
-    An exception of `work` is raised here. On KeyboardInterrupt the work is left to itself (its result is
-    dropped) and the interruption goes on to the caller.
+    An exception of `work` is raised here. Meanwhile `tick` is called in the calling thread, some twenty times
+    a second. When that or Ctrl-C raises, `stop` is called, the work is left to itself (its result is
+    dropped), and the exception goes on to the caller.
     """
     results: list[T] = []
     errors: list[BaseException] = []
@@ -33,8 +40,13 @@ def interruptible(work: Callable[[], T]) -> T:
 
     thread = threading.Thread(target=run, name="gonio-work", daemon=True)
     thread.start()
-    while thread.is_alive():
-        thread.join(0.05)
+    try:
+        while thread.is_alive():
+            thread.join(0.05)
+            tick()
+    except BaseException:
+        stop()
+        raise
     if errors:
         raise errors[0]
     return results[0]

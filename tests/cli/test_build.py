@@ -58,6 +58,7 @@ def test_build_shows_the_errors(run, measured):
     done = run("build", measured)
     assert done.code == 0
     assert "predicted from the others" in done.out
+    assert "of the light goes where nothing was read" in done.out
 
 
 def test_the_candidates_named_are_those_of_the_core(run, measured):

@@ -26,6 +26,7 @@ use crate::slice_surface::SliceSurface;
 use crate::stated::PartErrors;
 use crate::symmetry::{self, mirror_symmetric, polar};
 use crate::unknowable;
+use crate::watch::Stage;
 
 /// Readings of an incidence that predictions of it are compared with; with axes, where there are more incidences, and those
 /// of all incidences.
@@ -48,7 +49,7 @@ pub(crate) fn part(
     options: &BuildOptions,
 ) -> Result<Option<Built>, BuildError> {
     let mut notes = Vec::new();
-    let piles = piles(slices, side, component, isotropic, &mut notes)?;
+    let piles = piles(slices, side, component, isotropic, &mut notes, &options.watch)?;
     if piles.is_empty() {
         return Ok(None);
     }
@@ -158,7 +159,8 @@ impl Job<'_> {
             };
             Fitting::new(component, directions.to_vec(), readings.collect(), spacing)
         };
-        let bases = bases(&fitting, component, isotropic, &options.without)?;
+        let watch = &options.watch;
+        let bases = bases(&fitting, component, isotropic, &options.without, watch)?;
         let orders = if share == Share::All && isotropic && component == Component::Reflection {
             orders(&fitting, &bases)
         } else {
@@ -167,7 +169,11 @@ impl Job<'_> {
         let first = bases.first().map(|(_, base)| Arc::clone(base));
         let base = first.as_ref();
 
+        watch.stage(Stage::Slices, 2 * piles.len())?;
         piles.par_iter_mut().zip(directions).for_each(|(pile, &i)| {
+            if watch.stopped() {
+                return;
+            }
             for (surface, readings) in pile.surfaces.iter_mut().zip(&pile.readings) {
                 surface.fill(
                     readings,
@@ -175,7 +181,9 @@ impl Job<'_> {
                     base.map(|b| Divisor::Joint(Arc::clone(b), i)),
                 );
             }
+            watch.step();
         });
+        watch.check()?;
         let agree: Vec<bool> = piles
             .par_iter()
             .flat_map(|p| p.surfaces.par_iter().filter_map(mirror_symmetric))
@@ -187,14 +195,19 @@ impl Job<'_> {
             .par_iter_mut()
             .zip(directions)
             .map(|(pile, &i)| {
+                if watch.stopped() {
+                    return SliceError::default();
+                }
                 let joint = base.map(|b| Divisor::Joint(Arc::clone(b), i));
                 let error = pile.slice_error(bilateral);
+                watch.step();
                 if isotropic || error.gap < OWN_LOBES {
                     return error;
                 }
                 pile.by_own_lobes(options.smooth, joint, error)
             })
             .collect();
+        watch.stage(Stage::Symmetry, 1)?;
         if share == Share::All {
             let repeats: Vec<Option<Repeats>> = piles
                 .iter()
@@ -232,12 +245,14 @@ impl Job<'_> {
         };
 
         let readings = piles.iter().flat_map(|p| &p.readings).map(Readings::len).sum();
+        watch.stage(Stage::Resampling, piles.len())?;
         let all: Vec<Held> = piles
             .iter()
             .zip(directions)
             .zip(held)
             .zip(&self.groups)
             .map(|(((pile, &direction), readings), &group)| {
+                watch.check()?;
                 let statistics = Statistics::new(&pile.readings, &readings);
                 let node = Node::new(
                     pile.incidence,
@@ -250,13 +265,14 @@ impl Job<'_> {
                     statistics,
                     bilateral,
                 );
-                Held {
+                watch.step();
+                Ok(Held {
                     node: Arc::new(node),
                     readings,
                     group,
-                }
+                })
             })
-            .collect();
+            .collect::<Result<_, BuildError>>()?;
         let local: Vec<LocalError> = piles
             .par_iter()
             .map(|p| LocalError::new(&p.surfaces, bilateral, p.common()))
@@ -275,7 +291,15 @@ impl Job<'_> {
             Share::All => vec![1.0; all.len()],
             Share::Peak(_) => light.clone(),
         };
-        let contest = Contest::new(&all, symmetry, component, Some(&fitting), bases, &orders, &units);
+        let contest = Contest::new(
+            &all,
+            symmetry,
+            component,
+            Some(&fitting),
+            (bases, &orders),
+            &units,
+            watch,
+        )?;
         let list: Vec<Candidate> = options
             .candidate
             .map_or(Candidate::ALL.to_vec(), |c| vec![c])
@@ -284,9 +308,10 @@ impl Job<'_> {
             .filter(|c| !c.method.is_last_resort() || share == Share::All)
             .collect();
         let higher = if isotropic { Order::Cubic } else { Order::Quadratic };
-        let within = contest.run(&list, options.candidate.is_none().then_some(higher), false);
+        let within = contest.run(&list, options.candidate.is_none().then_some(higher), false)?;
         let tie = if share == Share::All { TIE } else { PEAK_TIE };
-        let beyond = contest.beyond(&list, within.get(best(&within, tie)));
+        let beyond = contest.beyond(&list, within.get(best(&within, tie)))?;
+        watch.stage(Stage::Choice, 1)?;
         let Some(chosen) = within.get(best(&within, tie)) else {
             return Err(BuildError::NoBase {
                 side,

@@ -7,11 +7,13 @@ use rayon::prelude::*;
 
 use crate::across::{Candidate, Frame, Method, Order};
 use crate::base::{Base, Fitting, Recipe};
+use crate::error::BuildError;
 use crate::images::Symmetry;
 use crate::incidence::Rule;
 use crate::leave_one_out::{Fold, Held, LooError, error, folds};
 use crate::node::Node;
 use crate::reciprocity::{self, RECIPROCAL};
+use crate::watch::{Stage, Watch};
 
 /// A candidate whose worst fold is worse than this factor times the least worst fold is not chosen.
 const WORST: f64 = 1.5;
@@ -54,6 +56,7 @@ pub(crate) struct Contest<'a> {
     pub(crate) folds: Vec<Fold>,
     /// What the relative error of each incidence counts.
     units: &'a [f64],
+    watch: &'a Watch,
 }
 
 /// A candidate, its base (a position in [`Contest::bases`]), and its errors.
@@ -93,11 +96,12 @@ impl<'a> Contest<'a> {
         symmetry: Symmetry,
         component: Component,
         fitting: Option<&Fitting>,
-        bases: Vec<(Recipe, Arc<Base>)>,
-        orders: &[usize],
+        (bases, orders): (Vec<(Recipe, Arc<Base>)>, &[usize]),
         units: &'a [f64],
-    ) -> Self {
+        watch: &'a Watch,
+    ) -> Result<Self, BuildError> {
         let folds = folds(all, symmetry);
+        watch.stage(Stage::Refits, bases.len() * folds.len())?;
         let expansions = orders.iter().filter_map(|&order| {
             let fitting = fitting?;
             let kept = |fold: &Fold| fitting.expansion(order, |k| fold.kept.contains(&k)).map(Arc::new);
@@ -114,6 +118,10 @@ impl<'a> Contest<'a> {
                 folds: folds
                     .par_iter()
                     .map(|fold| {
+                        if watch.stopped() {
+                            return None;
+                        }
+                        watch.step();
                         // With axes there are many incidences and few of them are left out: the minimum hardly moves.
                         let known = (!symmetry.is_isotropic()).then(|| whole.values());
                         let base = fitting?.fit(&recipe, known.as_deref(), |k| fold.kept.contains(&k))?;
@@ -123,14 +131,16 @@ impl<'a> Contest<'a> {
             })
             .collect();
         bases.extend(expansions);
-        Contest {
+        watch.check()?;
+        Ok(Contest {
             all,
             symmetry,
             component,
             bases,
             folds,
             units,
-        }
+            watch,
+        })
     }
 
     /// Errors of one candidate in the folds between incidences, or in those beyond them; none where a base could not
@@ -150,6 +160,9 @@ impl<'a> Contest<'a> {
             .map(|&f| self.units[self.folds[f].left_out])
             .collect();
         let errors = folds.into_iter().map(|f| {
+            if self.watch.stopped() {
+                return None;
+            }
             let base = match base {
                 Some(b) => Some(self.bases[b].folds[f].as_ref()?),
                 None => None,
@@ -175,9 +188,18 @@ impl<'a> Contest<'a> {
     }
 
     /// Every candidate of `list` with every base it can use, and the best ones of a `higher` order.
-    pub(crate) fn run(&self, list: &[Candidate], higher: Option<Order>, beyond: bool) -> Vec<Tried> {
+    pub(crate) fn run(
+        &self,
+        list: &[Candidate],
+        higher: Option<Order>,
+        beyond: bool,
+    ) -> Result<Vec<Tried>, BuildError> {
         let mut tried: Vec<Tried> = Vec::new();
+        self.watch
+            .stage(Stage::LeaveOneOut, list.len() + usize::from(higher.is_some()))?;
         for &candidate in list {
+            self.watch.check()?;
+            self.watch.step();
             if candidate.method.is_last_resort() {
                 // Where nothing else predicts well; never past the data. Lobes are followed over axes only.
                 let least = tried.iter().filter(|t| !t.errors.is_empty()).map(Tried::mean);
@@ -217,8 +239,10 @@ impl<'a> Contest<'a> {
                 })
                 .collect();
             tried.extend(more);
+            self.watch.step();
         }
-        tried
+        self.watch.check()?;
+        Ok(tried)
     }
 
     /// Errors of what was tried in gaps twice as wide: the neighbours of each incidence left out are left out too. For
@@ -273,8 +297,16 @@ impl<'a> Contest<'a> {
     ///
     /// Where `within`, the choice between incidences, needs no base or an expansion, the sample has no lobes to speak of, and the two
     /// incidences at the edge say little of what comes after them: a base has to leave a third of the error there to take over.
-    pub(crate) fn beyond(&self, list: &[Candidate], within: Option<&Tried>) -> Option<Tried> {
-        let mut tried = self.run(list, None, true);
+    pub(crate) fn beyond(
+        &self,
+        list: &[Candidate],
+        within: Option<&Tried>,
+    ) -> Result<Option<Tried>, BuildError> {
+        let tried = self.run(list, None, true)?;
+        Ok(self.best_beyond(tried, within))
+    }
+
+    fn best_beyond(&self, mut tried: Vec<Tried>, within: Option<&Tried>) -> Option<Tried> {
         let mut first = best(&tried, TIE);
         let same = within.and_then(|w| {
             let method = match w.base {

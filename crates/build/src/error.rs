@@ -52,6 +52,9 @@ pub enum BuildError {
         /// The candidate asked for.
         candidate: &'static str,
     },
+    /// A build that was asked to stop.
+    #[error("build: stopped before it was done")]
+    Stopped,
     /// A part of a base that the registry of analytic models lacks.
     #[error(transparent)]
     Bsdf(#[from] gonio_bsdf::BsdfError),

@@ -31,6 +31,7 @@ mod table;
 mod triangulated;
 mod uncertainty;
 mod unknowable;
+mod watch;
 mod weights;
 
 pub mod across;
@@ -53,3 +54,4 @@ pub use slice_surface::Coverage;
 pub use stated::StatedError;
 pub use symmetry::SymmetryChoice;
 pub use uncertainty::Uncertainty;
+pub use watch::{Progress, Stage, Watch};

@@ -14,6 +14,7 @@ use crate::readings::Readings;
 use crate::slice_surface::SliceSurface;
 use crate::spacing::spacing;
 use crate::symmetry::{Incidence, SAME_THETA, half_measured, polar};
+use crate::watch::{Stage, Watch};
 
 /// Fewest readings of a slice.
 const LEAST_READINGS: usize = 12;
@@ -163,9 +164,14 @@ pub(crate) fn piles<'a>(
     component: Component,
     isotropic: bool,
     notes: &mut Vec<String>,
+    watch: &Watch,
 ) -> Result<Vec<Pile<'a>>, BuildError> {
     let mut piles: Vec<Pile<'a>> = Vec::new();
-    for group in Incidence::group(slices, side) {
+    let groups = Incidence::group(slices, side);
+    watch.stage(Stage::Reading, groups.len())?;
+    for group in groups {
+        watch.check()?;
+        watch.step();
         let mut readings = group.readings(component, isotropic);
         if readings.len() == 0 {
             continue;

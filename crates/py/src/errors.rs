@@ -87,6 +87,7 @@ impl Raise for BuildError {
             BuildError::Columns { .. } | BuildError::NoBase { .. } | BuildError::Bsdf(_) => {
                 DomainError::new_err(self.to_string())
             }
+            BuildError::Stopped => GonioError::new_err(self.to_string()),
             BuildError::TooFewIncidences { .. } | BuildError::Readings { .. } => {
                 FitError::new_err(self.to_string())
             }

@@ -246,9 +246,33 @@ impl DataDriven {
     }
 }
 
+/// A handle on a build in another thread: how far it is, and the wish to stop it.
+#[pyclass(frozen, module = "gonio", name = "BuildWatch")]
+pub(crate) struct BuildWatch(core::Watch);
+
+#[pymethods]
+impl BuildWatch {
+    #[new]
+    fn new() -> Self {
+        BuildWatch(core::Watch::default())
+    }
+
+    /// Name of the stage, steps done, steps in all.
+    fn progress(&self) -> (&'static str, usize, usize) {
+        let progress = self.0.progress();
+        (progress.stage.name(), progress.done, progress.total)
+    }
+
+    /// Lets the build end with an error within a fraction of a second.
+    fn stop(&self) {
+        self.0.stop();
+    }
+}
+
 /// The data-driven model of one channel of a measurement.
 #[pyfunction]
-#[pyo3(signature = (measurement, *, channel=None, symmetry="auto", smooth=true, candidate=None, direct=true))]
+#[pyo3(signature = (measurement, *, channel=None, symmetry="auto", smooth=true, candidate=None, direct=true, watch=None))]
+#[expect(clippy::too_many_arguments, reason = "the options of a build, by name")]
 fn build(
     py: Python<'_>,
     measurement: &MeasurementData,
@@ -257,6 +281,7 @@ fn build(
     smooth: bool,
     candidate: Option<&str>,
     direct: bool,
+    watch: Option<&BuildWatch>,
 ) -> PyResult<Py<DataDriven>> {
     let options = core::BuildOptions {
         channel: channel.map(str::parse::<Channel>).transpose().or_raise()?,
@@ -275,6 +300,7 @@ fn build(
         smooth,
         candidate: candidate.map(candidate_of).transpose()?,
         direct,
+        watch: watch.map(|w| w.0.clone()).unwrap_or_default(),
         ..core::BuildOptions::default()
     };
     let data = Arc::clone(&measurement.0);
@@ -303,5 +329,6 @@ fn candidate_of(name: &str) -> PyResult<core::Candidate> {
 
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<DataDriven>()?;
+    m.add_class::<BuildWatch>()?;
     m.add_function(wrap_pyfunction!(build, m)?)
 }

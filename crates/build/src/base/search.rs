@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::recipes::{recipes, with_retro};
 use super::{Base, Fitting, Recipe};
 use crate::error::BuildError;
+use crate::watch::{Stage, Watch};
 
 /// Where a base of one lobe comes no closer to the readings of a sample with axes (relative L1), two lobes are tried.
 const ONE_LOBE: f64 = 0.02;
@@ -25,12 +26,16 @@ pub(crate) fn bases(
     component: Component,
     isotropic: bool,
     without: &[String],
+    watch: &Watch,
 ) -> Result<Vec<(Recipe, Arc<Base>)>, BuildError> {
     let judged = |base: Base| {
         let error = fitting.error(&base, |_| true);
         error.is_finite().then(|| (Arc::new(base), error))
     };
     let fitted = |recipe: Recipe| -> Option<Tried> {
+        if watch.stopped() {
+            return None;
+        }
         let (base, error) = judged(fitting.fit(&recipe, None, |_| true)?)?;
         Some(Tried { recipe, base, error })
     };
@@ -51,12 +56,23 @@ pub(crate) fn bases(
         let starts = recipe.starts(&less.base.values());
         let fits = starts
             .par_iter()
+            .filter(|_| !watch.stopped())
             .filter_map(|s| judged(fitting.fit(&recipe, Some(s), |_| true)?));
         let (base, error) = fits.min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some(Tried { recipe, base, error })
     };
     let first: Vec<Recipe> = recipes(component, isotropic, false)?;
-    let mut found: Vec<Tried> = first.into_par_iter().filter(allowed).filter_map(fitted).collect();
+    watch.stage(Stage::Bases, first.len())?;
+    let mut found: Vec<Tried> = first
+        .into_par_iter()
+        .filter(allowed)
+        .filter_map(|recipe| {
+            let tried = fitted(recipe);
+            watch.step();
+            tried
+        })
+        .collect();
+    watch.check()?;
     found.sort_by(|a, b| a.error.total_cmp(&b.error));
     if !isotropic && found.first().is_none_or(|f| f.error > ONE_LOBE) {
         let more: Vec<Recipe> = recipes(component, isotropic, true)?;

@@ -25,6 +25,7 @@ use crate::slice_surface::Coverage;
 use crate::stated::{PartErrors, StatedError};
 use crate::symmetry::{self, SymmetryChoice};
 use crate::uncertainty::{self, Uncertainty};
+use crate::watch::Watch;
 
 /// Fewest distinct incidences a model is built from.
 const LEAST_INCIDENCES: usize = 2;
@@ -44,6 +45,8 @@ pub struct BuildOptions {
     pub without: Vec<String>,
     /// Whether peaks as narrow as the beam become the ideal part of the model, where the measurement knows its beam.
     pub direct: bool,
+    /// Tells how far the build is, and stops it.
+    pub watch: Watch,
 }
 
 impl Default for BuildOptions {
@@ -55,6 +58,7 @@ impl Default for BuildOptions {
             candidate: None,
             without: Vec::new(),
             direct: true,
+            watch: Watch::default(),
         }
     }
 }
@@ -144,7 +148,8 @@ impl DataDriven {
     ///
     /// # Errors
     /// [`BuildError`] when the channel is not there or not named among several, when columns differ in length, when
-    /// fewer than two incidences have usable readings, or when the readings of an incidence do not span a surface.
+    /// fewer than two incidences have usable readings, when the readings of an incidence do not span a surface, and when
+    /// [`BuildOptions::watch`] was stopped.
     pub fn build(measurement: &Measurement, options: &BuildOptions) -> Result<Self, BuildError> {
         let channel = choose_channel(measurement, options.channel)?;
         let slices: Vec<&Slice> = measurement
