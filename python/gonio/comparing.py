@@ -159,6 +159,7 @@ def compare(
     b: ModelOrMeasurement,
     *,
     channel: str | None = None,
+    channel_b: str | None = None,
     components: Sequence[tuple[str, str]] | None = None,
     incidences: Sequence[tuple[float, float]] | None = None,
     progress: Progress = silent,
@@ -177,6 +178,9 @@ def compare(
         Models, files of models, measurements or directories of saved ones.
     channel
         Channel of both; None compares all that they have in common, or the only one of each.
+    channel_b
+        Channel of `b`, where it has another name than that of `a`: a Radiance file is labelled photopic
+        whatever it was measured in.
     components
         Side of incidence and component; None takes all in which one of them scatters.
     incidences
@@ -194,8 +198,9 @@ def compare(
     FitError, FormatError, OSError
         A measurement that no model can be built from, or a file that cannot be read.
     """
-    first, second = (model_of(m, channel=channel, progress=progress) for m in (a, b))
-    channels = _channels(first, second, channel)
+    first = model_of(a, channel=channel, progress=progress)
+    second = model_of(b, channel=channel if channel_b is None else channel_b, progress=progress)
+    channels = _channels(first, second, channel, channel_b)
     lit = {k: [scatters(m, *k) for m in (first, second)] for k in KEYS}
     asked = list(components) if components is not None else [k for k in KEYS if any(lit[k])]
     if not asked or any(k not in KEYS for k in asked):
@@ -266,20 +271,28 @@ def model_of(source: ModelOrMeasurement, *, channel: str | None = None, progress
     return _native.side_by_side([build(sample, channel=c, progress=progress) for c in sample.channels])
 
 
-def _channels(a: Bsdf, b: Bsdf, channel: str | None) -> list[tuple[str, str]]:
-    if channel is not None:
-        for model in (a, b):
-            if channel not in model.channels:
-                raise QuantityError(f"channel: found {channel}, needed one of {', '.join(model.channels)}")
-        return [(channel, channel)]
+def _channels(a: Bsdf, b: Bsdf, channel: str | None, channel_b: str | None) -> list[tuple[str, str]]:
+    if channel is not None or channel_b is not None:
+        return [(_named(a, channel), _named(b, channel if channel_b is None else channel_b))]
     common = [c for c in a.channels if c in b.channels]
     if common:
         return [(c, c) for c in common]
     if len(a.channels) == len(b.channels) == 1:
         return [(a.channels[0], b.channels[0])]
     raise QuantityError(
-        f"channel: found {', '.join(a.channels)} and {', '.join(b.channels)}, needed one in common"
+        f"channel: found {', '.join(a.channels)} and {', '.join(b.channels)}, needed one in common, "
+        "or one of each: --channel and --channel-b (channel=, channel_b=)"
     )
+
+
+def _named(model: Bsdf, channel: str | None) -> str:
+    """The channel of that name, or the only one."""
+    if channel is None and len(model.channels) == 1:
+        return model.channels[0]
+    for name in model.channels:
+        if channel is not None and name in (channel, f"{channel}nm"):
+            return name
+    raise QuantityError(f"channel: found {channel or 'none'}, needed one of {', '.join(model.channels)}")
 
 
 def scatters(model: Bsdf, side: str, component: str) -> bool:

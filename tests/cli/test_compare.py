@@ -86,6 +86,16 @@ def test_compare_of_a_measurement_and_its_model_prints_a_table_and_draws(run, tm
     assert max(row["rel_l1"] for row in found["rows"]) < 0.02
 
 
+def test_one_channel_of_each_is_compared_where_their_names_differ(run, tmp_path):
+    green = gonio.analytic({"model": "lambert", "rho": {"532nm": 0.5, "633nm": 0.2}})
+    grey = gonio.analytic({"model": "lambert", "rho": 0.6})
+    with pytest.raises(gonio.QuantityError, match="--channel-b"):
+        gonio.compare(green, grey)
+    found = gonio.compare(green, grey, channel="532", channel_b="photopic", components=FRONT)
+    assert found.channels == [("532nm", "photopic")]
+    assert found.rows[0].rel_l1 == pytest.approx(0.2, rel=1e-6)
+
+
 def test_wrong_words_are_refused_in_one_line(run, tmp_path):
     gonio.reduce(analytic({"model": "lambert", "rho": 0.5}), out=tmp_path / "a.nc", components=FRONT)
     one_clear_error(run("compare", "a.nc", "gone.nc"), "gone.nc", "No such file")

@@ -23,6 +23,10 @@ def compare(
         str | None,
         typer.Option("--channel", help="Channel of both. Without it all that they have in common."),
     ] = None,
+    channel_b: Annotated[
+        str | None,
+        typer.Option("--channel-b", help="Channel of B, where it has another name than that of A."),
+    ] = None,
     component: Components = None,
     incidence: Annotated[
         list[str] | None,
@@ -45,6 +49,7 @@ def compare(
             a,
             b,
             channel=channel,
+            channel_b=channel_b,
             components=components_of(component),
             incidences=[_incidence(text) for text in incidence] if incidence else None,
             progress=progress,
