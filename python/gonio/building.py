@@ -101,6 +101,8 @@ def build(
         nonlocal last
         now = watch.progress()
         if now[2] > 0 and now != last:
+            if now[0] != last[0] != "building":
+                progress(last[0], last[2], last[2])
             last = now
             progress(*now)
 
@@ -117,6 +119,8 @@ def build(
         tick=tell,
         stop=watch.stop,
     )
+    if last[0] != "building":
+        progress(last[0], last[2], last[2])
     progress("building", 1, 1)
     return model
 
