@@ -415,6 +415,7 @@ class Compact(Bsdf):
     report: dict[str, Any]
     bytes_per_channel: dict[tuple[str, str], int]
     def parts(self) -> list[dict[str, Any]]: ...
+    def ideal_parts(self) -> list[dict[str, Any]]: ...
 
 def to_compact(
     bsdf: Bsdf,
@@ -426,7 +427,11 @@ def to_compact(
     bits: int | None = None,
 ) -> Compact: ...
 def compact_of(
-    channels: Sequence[str], parts: Sequence[Mapping[str, Any]], *, energy_conserving: bool
+    channels: Sequence[str],
+    parts: Sequence[Mapping[str, Any]],
+    *,
+    energy_conserving: bool,
+    ideal: Sequence[Mapping[str, Any]] | None = None,
 ) -> Compact: ...
 def side_by_side(models: Sequence[Bsdf]) -> Bsdf: ...
 def compare_models(

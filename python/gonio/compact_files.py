@@ -19,14 +19,13 @@ from gonio.files import check_file, replacing_file
 from gonio.readings import PathLike
 
 COMPACT_FORMAT = "gonio-compact"
-VERSION = 1
+VERSION = 2
 MAGIC = (b"CDF\x01", b"CDF\x02")
 """First bytes of netCDF 3 files: classic and 64-bit offset."""
 
 SIDES = ("front", "back")
 COMPONENTS = ("reflection", "transmission")
-_AXES = ("theta_i", "phi_i", "u", "phi_h")
-_LOG = "natural logarithm of the ratio of the BSDF to its base: offset + step * code"
+_LOG = "coded logarithms of the ratio of the BSDF to its base, offset + step * code, channel after channel"
 
 Array = NDArray[Any]
 Variable = tuple[tuple[str, ...], Array, dict[str, Any]]
@@ -124,24 +123,39 @@ def _content(model: Compact, *, name: str, provenance: dict[str, Any]) -> bytes:
     variables: dict[str, Variable] = {}
     for part in model.parts():
         key = f"{part['side']}_{part['component']}"
-        axes = tuple(f"{key}_{axis}" for axis in _AXES)
+        coded = part["coded"]
         about: dict[str, Any] = {
             "long_name": _LOG,
             "units": "1",
             "symmetry": part["symmetry"],
+            "shape": np.array(part["shape"], dtype=np.int32),
+            "lengths": np.array([len(one["bytes"]) for one in coded], dtype=np.int32),
             "width": np.array(part["width"], dtype=np.float64),
             "phi_x": np.float64(part["phi_x"]),
             "base": json.dumps(part["base"]),
         }
         if (part["side"], part["component"]) in errors:
             about["error"] = np.array(errors[part["side"], part["component"]], dtype=np.float64)
-        variables[key] = (("channel", *axes), part["codes"], about)
+        codes = np.frombuffer(b"".join(one["bytes"] for one in coded), dtype=np.int8)
+        variables[key] = ((f"{key}_bytes",), codes, about)
+        rows = {len(one["step"]) for one in coded}
         for word in ("offset", "step"):
-            variables[f"{key}_{word}"] = (("channel", axes[0]), part[word], {"units": "1"})
-        variables[axes[0]] = (
-            (axes[0],),
-            part["theta_i"],
-            {"units": "degree", "long_name": "polar angle of incidence from the normal of its side"},
+            if rows == {1}:
+                values = np.array([one[word][0] for one in coded], dtype=np.float32)
+                variables[f"{key}_{word}"] = (("channel",), values, {"units": "1"})
+            else:
+                variables[f"{key}_{word}"] = (("channel", f"{key}_theta_i"), part[word], {"units": "1"})
+    for part in model.ideal_parts():
+        key = f"{part['side']}_{part['component']}_unscattered"
+        variables[key] = (
+            ("channel", f"{key}_theta_i", f"{key}_phi_i"),
+            part["shares"],
+            {
+                "long_name": "share of the light that is mirrored or passes straight through",
+                "units": "1",
+                "symmetry": part["symmetry"],
+                "phi_x": np.float64(part["phi_x"]),
+            },
         )
     return _signed(attributes, variables)
 
@@ -222,39 +236,75 @@ def _opened(path: Path) -> Opened:
 
 def _model(path: Path, opened: Opened) -> Compact:
     attributes, variables = opened
-    parts = []
+    parts, ideal = [], []
     for side in SIDES:
         for component in COMPONENTS:
             key = f"{side}_{component}"
-            if key not in variables:
-                continue
             try:
-                _, codes, about = variables[key]
-                parts.append(
-                    {
-                        "side": side,
-                        "component": component,
-                        "symmetry": about["symmetry"],
-                        "width": np.asarray(about["width"], dtype=np.float64).tolist(),
-                        "phi_x": float(about["phi_x"]),
-                        "base": json.loads(about["base"]),
-                        "codes": codes,
-                        "offset": variables[f"{key}_offset"][1],
-                        "step": variables[f"{key}_step"][1],
-                    }
-                )
+                if key in variables:
+                    stored = _plain_table if attributes["format_version"] == 1 else _coded_table
+                    about = variables[key][2]
+                    parts.append(
+                        {
+                            "side": side,
+                            "component": component,
+                            "symmetry": about["symmetry"],
+                            "width": np.asarray(about["width"], dtype=np.float64).tolist(),
+                            "phi_x": float(about["phi_x"]),
+                            "base": json.loads(about["base"]),
+                            **stored(key, variables),
+                        }
+                    )
+                if f"{key}_unscattered" in variables:
+                    _, shares, about = variables[f"{key}_unscattered"]
+                    ideal.append(
+                        {
+                            "side": side,
+                            "component": component,
+                            "symmetry": about["symmetry"],
+                            "phi_x": float(about["phi_x"]),
+                            "shares": shares,
+                        }
+                    )
             except KeyError as error:
                 raise FormatError(f"{path}: {key}: found no {error.args[0]}, needed for its table") from error
             except (TypeError, ValueError) as error:
                 raise FormatError(f"{path}: {key}: {error}") from error
     try:
         return _native.compact_of(
-            attributes["channels"].split(), parts, energy_conserving=bool(attributes["energy_conserving"])
+            attributes["channels"].split(),
+            parts,
+            energy_conserving=bool(attributes["energy_conserving"]),
+            ideal=ideal,
         )
     except KeyError as error:
         raise FormatError(f"{path}: found no {error.args[0]}") from error
     except (DomainError, TypeError, ValueError) as error:
         raise FormatError(f"{path}: {error}") from error
+
+
+def _plain_table(key: str, variables: Mapping[str, Variable]) -> dict[str, Any]:
+    """Codes one by one, as version 1 has them."""
+    return {
+        "codes": variables[key][1],
+        "offset": variables[f"{key}_offset"][1],
+        "step": variables[f"{key}_step"][1],
+    }
+
+
+def _coded_table(key: str, variables: Mapping[str, Variable]) -> dict[str, Any]:
+    """Shape and coded channels."""
+    _, codes, about = variables[key]
+    lengths = np.atleast_1d(about["lengths"]).tolist()
+    if sum(lengths) != codes.size or min(lengths) < 0:
+        raise ValueError(f"lengths: found {lengths}, needed a sum of {codes.size}")
+    whole, start, coded = codes.tobytes(), 0, []
+    rows = {word: variables[f"{key}_{word}"][1] for word in ("offset", "step")}
+    for channel, length in enumerate(lengths):
+        one = {word: np.atleast_1d(values[channel]) for word, values in rows.items()}
+        coded.append({"bytes": whole[start : start + length], **one})
+        start += length
+    return {"shape": np.asarray(about["shape"]).tolist(), "coded": coded}
 
 
 def _plain(value: Any) -> Any:

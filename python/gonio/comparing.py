@@ -253,8 +253,16 @@ def _incidences(
     }
 
 
-def model_of(source: ModelOrMeasurement, *, channel: str | None = None, progress: Progress = silent) -> Bsdf:
+def model_of(
+    source: ModelOrMeasurement,
+    *,
+    channel: str | None = None,
+    direct: bool = True,
+    progress: Progress = silent,
+) -> Bsdf:
     """The model itself, that of a file, or the data-driven one of a measurement in all of its channels.
+
+    `direct` is that of `gonio.build`.
 
     Raises
     ------
@@ -267,8 +275,10 @@ def model_of(source: ModelOrMeasurement, *, channel: str | None = None, progress
         return read_bsdf(source, channel=channel)
     sample = loaded(source)
     if channel is not None or len(sample.channels) == 1:
-        return build(sample, channel=channel, progress=progress)
-    return _native.side_by_side([build(sample, channel=c, progress=progress) for c in sample.channels])
+        return build(sample, channel=channel, direct=direct, progress=progress)
+    return _native.side_by_side(
+        [build(sample, channel=c, direct=direct, progress=progress) for c in sample.channels]
+    )
 
 
 def _channels(a: Bsdf, b: Bsdf, channel: str | None, channel_b: str | None) -> list[tuple[str, str]]:

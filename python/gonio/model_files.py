@@ -34,7 +34,7 @@ class ComponentSummary:
     `representation` is klems, tensor-tree, interpolant, rgl, merl or compact; `resolution` the angle basis of
     the patches (incident, exit), the rank and the number of cells of all components, incidences, lobes and
     transports of an interpolant, the incidences and the nodes of a table, the cells in theta_h, theta_d and
-    phi_d, or symmetry, nodes and bits of a compact table. The directional albedo is the least and the largest
+    phi_d, or symmetry and nodes of a compact table. The directional albedo is the least and the largest
     over all incident patches, for a tensor tree over incidences of 0 to 85 degrees from the normal of the lit
     side, for an RGL material and an interpolant over those measured, for a MERL binary and a compact model
     over 0 to 75 degrees.
@@ -337,7 +337,7 @@ def _compact(path: Path, channel: str | None) -> ModelSummary:
                     side=side,
                     component=component,
                     representation="compact",
-                    resolution=f"{part['symmetry']}, {shape} x {8 * part['codes'].itemsize} bit on {lobes}",
+                    resolution=f"{part['symmetry']}, {shape} on {lobes}",
                     albedo_min=min(albedo),
                     albedo_max=max(albedo),
                 )
@@ -346,6 +346,11 @@ def _compact(path: Path, channel: str | None) -> ModelSummary:
         f"{side} {component}: {100 * max(errors):.2g} % relative L1 from the model it was made of"
         for (side, component), errors in header["error"].items()
     ]
+    for part in model.ideal_parts():
+        least, most = 100 * float(part["shares"].min()), 100 * float(part["shares"].max())
+        notes.append(
+            f"{part['side']} {part['component']}: {least:.2f} to {most:.2f} % of the light unscattered"
+        )
     return ModelSummary(name=header["name"], manufacturer="", components=components, notes=notes)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gonio import _native
-from gonio._native import Bsdf, Compact, DataDriven, QuantityError
+from gonio._native import Bsdf, Compact, DataDriven, FormatError, QuantityError
 from gonio.compact_files import write_compact
 from gonio.comparing import ModelComparison, ModelOrMeasurement, compare, model_of, scatters
 from gonio.files import check_file
@@ -34,7 +34,7 @@ class Reduction:
     bytes
         Size of the file; without one, bytes of the tables.
     warnings
-        What to know of the full model.
+        What to know of the full model, and of a target that was not reached.
     """
 
     model: Compact
@@ -50,6 +50,7 @@ class Reduction:
             "bytes": self.bytes,
             "bytes_per_channel": {"-".join(k): v for k, v in self.model.bytes_per_channel.items()},
             "error": {"-".join(k): v for k, v in self.model.report["error"].items()},
+            "unscattered_error": {"-".join(k): v for k, v in self.model.report["ideal_error"].items()},
             "max_albedo": self.model.report["max_albedo"],
             "loss": self.loss.to_dict(),
             "warnings": self.warnings,
@@ -66,6 +67,7 @@ def reduce(
     max_bytes: int | None = None,
     bits: int | None = None,
     name: str | None = None,
+    direct: bool = True,
     progress: Progress = silent,
 ) -> Reduction:
     """Reduce a model to the compact one: analytic lobes times a small quantised table of ratios.
@@ -87,31 +89,38 @@ def reduce(
     target
         Relative L1 error, mean over incidences, at which a table is fine enough, 0.0001 to 1.
     max_bytes
-        Most bytes of the table of one channel of a component; None is 14 000 for isotropic models and
-        380 000 for others. Where they do not suffice for the target, the error is what they give.
+        Most bytes of the table of one channel of a component as stored; None is 16 000 for isotropic models
+        and 400 000 for others. Where they do not suffice for the target, the error is what they give, and
+        `warnings` says so.
     bits
-        Bits of a value, 8 or 16; None takes 16 where 8 miss the target and the bytes suffice.
+        Bits of a value, 8 or 16, the range of every incidence divided evenly; None takes the step that gives
+        the least error within the bytes.
     name
         Name of the material; the sample's unless given.
+    direct
+        For a measurement: whether peaks as narrow as the beam become unscattered light (`gonio.build`).
     progress
         Called with stage, parts done and parts in all.
 
     Raises
     ------
     DomainError
-        An option out of range; an ideal part (mirror, unbent), which a table cannot hold; nothing scatters.
+        An option out of range; an ideal part that bends light, which the model cannot hold; nothing scatters.
     QuantityError
         A channel that is not there; a component in which the model does not scatter.
+    FormatError
+        `out` is the file that is read.
     FitError, FormatError, OSError
         A measurement that no model can be built from, a file that cannot be read or written; nothing is left
         behind.
     """
     if out is not None:
         check_file(out)
+        _require_other(out, source)
     sample, origin = _opened(source)
     wanted = list(channels) if channels is not None else None
     one = wanted[0] if wanted is not None and len(wanted) == 1 else None
-    full = model_of(sample, channel=one, progress=progress)
+    full = model_of(sample, channel=one, direct=direct, progress=progress)
     dark = ["-".join(k) for k in components or () if not scatters(full, *k)]
     if dark:
         raise QuantityError(f"components: found {', '.join(dark)}, where the model does not scatter")
@@ -141,7 +150,29 @@ def reduce(
         )
         size = written.stat().st_size
     notes = list(full.warnings) if isinstance(full, DataDriven) else []
+    notes += _missed(model, target)
     return Reduction(model=model, loss=loss, out=written, bytes=size, warnings=notes)
+
+
+def _missed(model: Compact, target: float) -> list[str]:
+    """Components whose table did not reach the target, in words."""
+    out = []
+    for (side, component), errors in model.report["error"].items():
+        if max(errors) > target:
+            size = model.bytes_per_channel[side, component]
+            out.append(
+                f"{side} {component}: {100 * max(errors):.2f} % relative L1 with {size} bytes of a channel; "
+                f"the target of {100 * target:.4g} % was not reached; it needs more bytes (--max-bytes)"
+            )
+    return out
+
+
+def _require_other(out: PathLike, source: ModelOrMeasurement) -> None:
+    """Refuse to write over the file that is read."""
+    if isinstance(source, (Bsdf, Measurement)) or not Path(out).exists() or not Path(source).exists():
+        return
+    if Path(out).samefile(source):
+        raise FormatError(f"{out}: is the model that is reduced, another file is needed")
 
 
 def _opened(source: ModelOrMeasurement) -> tuple[Bsdf | Measurement | PathLike, list[dict[str, Any]]]:

@@ -115,14 +115,15 @@ def test_commands_and_texts_without_one_material_are_refused(tmp_path):
         gonio.read_materials(tmp_path / "none.rad")
 
 
-def test_an_ideal_part_is_exported_to_its_patches_and_not_lost_in_a_compact_model(tmp_path):
+def test_an_ideal_part_is_exported_to_its_patches_and_kept_in_a_compact_model(tmp_path):
     mirror = radiance("void metal m 0 0 5 .9 .9 .9 .9 0")
     gonio.export(mirror, to="radiance-klems", channel="red", as_visible=True, out=tmp_path / "m.xml")
     klems = gonio.read_radiance(tmp_path / "m.xml")
     share = gonio._native.directional_albedo(klems, theta_i=0, phi_i=0, component="reflection")
     assert share == pytest.approx(0.9, abs=0.005)
-    with pytest.raises(gonio.DomainError, match="model: found an ideal part"):
-        gonio.reduce(mirror)
+    reduced = gonio.reduce(mirror, channels=["red"]).model
+    at = {"theta_i": [0.0, 35.0, 70.0], "phi_i": 0.0, "component": "reflection", "channel": "red"}
+    np.testing.assert_allclose(reduced.delta(**at)["share"], mirror.delta(**at)["share"], atol=0.005)
 
 
 @pytest.mark.parametrize("to", ["radiance-klems", "radiance-ttree"])

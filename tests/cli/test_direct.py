@@ -89,3 +89,18 @@ def test_a_peak_between_the_readings_is_in_the_uncertainty_of_the_transmittance(
         for part in (i for s in found.slices for i in s.integrals if i.side == "back"):
             # Half of the light goes straight on; k = 2
             assert 0.02 < abs(part.value - 2 * THROUGH) < 2 * part.u < 0.4
+
+
+def test_the_compact_model_of_a_measurement_keeps_the_unscattered_light(run, measured, tmp_path):
+    incidence = {"theta_i": 30.0, "phi_i": 0.0, "component": "transmission"}
+    full = gonio.build(measured, channel="green").delta(**incidence)
+    options = ("--channel", "green", "--target", "0.02")
+    for verb, name in (("build", "a.nc"), ("reduce", "b.nc")):
+        done = run(verb, measured, "-o", tmp_path / name, *options)
+        assert done.code == 0, done.err
+        found = gonio.read_bsdf(tmp_path / name).delta(**incidence)
+        assert found["theta_s"][()] == pytest.approx(full["theta_s"][()], abs=1e-6)
+        assert found["share"][()] == pytest.approx(full["share"][()], abs=0.003)
+        done = run(verb, measured, "-o", tmp_path / f"peak-{name}", "--no-direct", *options)
+        assert done.code == 0, done.err
+        assert not gonio.read_bsdf(tmp_path / f"peak-{name}").has_delta

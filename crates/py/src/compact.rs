@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::angles;
 use crate::bsdf::Bsdf;
-use crate::compact_parts::{StoredPart, stored};
+use crate::compact_parts::{StoredIdeal, StoredPart, stored, stored_ideal};
 use crate::errors::{OrRaise, domain};
 use crate::radiance::{Names, component_of, components, names};
 
@@ -21,6 +21,7 @@ pub(crate) struct Compact {
     model: Arc<core::Compact>,
     /// What is stored, in degrees.
     parts: Vec<StoredPart>,
+    ideal: Vec<StoredIdeal>,
     report: Py<PyDict>,
 }
 
@@ -29,38 +30,53 @@ impl Compact {
     /// The components that are there: list of (side of incidence, component).
     #[getter]
     fn components(&self) -> Names {
-        names(self.parts.iter().map(|p| (p.side, p.component)))
+        let has = |(side, component): &(_, _)| {
+            self.model.parts().get(*side, *component).is_some()
+                || self.model.ideal().get(*side, *component).is_some()
+        };
+        names(FourComponents::<()>::KEYS.into_iter().filter(has))
     }
 
-    /// error (dict (side, component) -> relative L1 of each channel, mean over incidences), max_albedo; empty for a file.
+    /// error (dict (side, component) -> relative L1 of each channel, mean over incidences), ideal_error (largest difference of a
+    /// share of light that does not spread), max_albedo; empty for a file.
     #[getter]
     fn report(&self, py: Python<'_>) -> Py<PyDict> {
         self.report.clone_ref(py)
     }
 
-    /// What is stored, one dict a component: side, component, symmetry, width, phi_x (degrees), base, codes (int8 or int16 of
-    /// shape (channel, theta_i, phi_i, u, phi_h)), offset and step (float32, (channel, theta_i)), theta_i of the nodes
-    /// (degrees).
+    /// What is stored, one dict a component: side, component, symmetry, width, phi_x (degrees), base, codes (int16 of shape
+    /// (channel, theta_i, phi_i, u, phi_h)), offset and step (float32, (channel, theta_i)), theta_i of the nodes (degrees);
+    /// shape and coded (a dict of bytes, offset and step a channel), the same as files have it.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let channels = core::Bsdf::channels(&*self.model).len();
         self.parts.iter().map(|p| p.dict(py, channels)).collect()
     }
 
-    /// Bytes of the table of one channel of each component.
+    /// Light that does not spread, one dict a component: side, component, symmetry, phi_x (degrees), shares (float32,
+    /// (channel, theta_i, phi_i)), theta_i of the nodes (degrees).
+    fn ideal_parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let channels = core::Bsdf::channels(&*self.model).len();
+        self.ideal.iter().map(|p| p.dict(py, channels)).collect()
+    }
+
+    /// Bytes of one channel of each component as stored: of its table, and of the shares of light that does not spread.
     #[getter]
     fn bytes_per_channel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let d = PyDict::new(py);
-        for (side, component, part) in self.model.parts().iter() {
-            d.set_item(
-                (side.to_string(), component.to_string()),
-                part.bytes_per_channel(),
-            )?;
+        for (side, component) in FourComponents::<()>::KEYS {
+            let table = self.model.parts().get(side, component);
+            let ideal = self.model.ideal().get(side, component);
+            let bytes =
+                table.map_or(0, |p| p.bytes_per_channel()) + ideal.map_or(0, |p| p.bytes_per_channel());
+            if bytes > 0 {
+                d.set_item((side.to_string(), component.to_string()), bytes)?;
+            }
         }
         Ok(d)
     }
 
     fn __repr__(&self) -> String {
-        let parts: Vec<String> = self
+        let mut parts: Vec<String> = self
             .parts
             .iter()
             .map(|p| {
@@ -73,6 +89,12 @@ impl Compact {
                 )
             })
             .collect();
+        for p in &self.ideal {
+            parts.push(format!(
+                "{} {}: unscattered, {:?}",
+                p.side, p.component, p.part.shape
+            ));
+        }
         format!("Compact({})", parts.join("; "))
     }
 }
@@ -81,6 +103,7 @@ fn wrap(
     py: Python<'_>,
     channels: Vec<Channel>,
     stored: Vec<StoredPart>,
+    ideal: Vec<StoredIdeal>,
     energy_conserving: bool,
     report: Bound<'_, PyDict>,
 ) -> PyResult<Py<Compact>> {
@@ -97,10 +120,22 @@ fn wrap(
             ));
         }
     }
-    let model = Arc::new(core::Compact::new(channels, parts, energy_conserving).or_raise()?);
+    let mut shares = FourComponents::default();
+    for part in &ideal {
+        if shares.set(part.side, part.component, Some(part.part())).is_some() {
+            return Err(domain(
+                "ideal",
+                format!("{} {} twice", part.side, part.component),
+                "each component once",
+            ));
+        }
+    }
+    let model = core::Compact::with_ideal(channels, parts, shares, energy_conserving).or_raise()?;
+    let model = Arc::new(model);
     let compact = Compact {
         model: model.clone(),
         parts: stored,
+        ideal,
         report: report.unbind(),
     };
     Py::new(py, PyClassInitializer::from(Bsdf(model)).add_subclass(compact))
@@ -142,6 +177,11 @@ fn to_compact(
         error.set_item((s.to_string(), c.to_string()), e)?;
     }
     report.set_item("error", error)?;
+    let error = PyDict::new(py);
+    for (s, c, e) in r.ideal_error.iter() {
+        error.set_item((s.to_string(), c.to_string()), e)?;
+    }
+    report.set_item("ideal_error", error)?;
     report.set_item("max_albedo", r.max_albedo)?;
     let stored = r
         .model
@@ -154,19 +194,25 @@ fn to_compact(
         py,
         core::Bsdf::channels(&r.model).to_vec(),
         stored,
+        r.model
+            .ideal()
+            .iter()
+            .map(|(side, component, part)| StoredIdeal::of(side, component, part))
+            .collect(),
         energy,
         report,
     )
 }
 
-/// The compact model of stored parts, as `Compact.parts` gives them. Raises DomainError for what does not fit together.
+/// The compact model of stored parts, as `Compact.parts` (coded, or codes alone) and `Compact.ideal_parts` give them. Raises DomainError for what does not fit together.
 #[pyfunction]
-#[pyo3(signature = (channels, parts, *, energy_conserving))]
+#[pyo3(signature = (channels, parts, *, energy_conserving, ideal=None))]
 fn compact_of(
     py: Python<'_>,
     channels: Vec<String>,
     parts: Vec<Bound<'_, PyDict>>,
     energy_conserving: bool,
+    ideal: Option<Vec<Bound<'_, PyDict>>>,
 ) -> PyResult<Py<Compact>> {
     let mut own: Vec<Channel> = Vec::new();
     for name in &channels {
@@ -181,7 +227,9 @@ fn compact_of(
         own.push(channel);
     }
     let stored = parts.iter().map(stored).collect::<PyResult<_>>()?;
-    wrap(py, own, stored, energy_conserving, PyDict::new(py))
+    let ideal = ideal.unwrap_or_default();
+    let ideal = ideal.iter().map(stored_ideal).collect::<PyResult<_>>()?;
+    wrap(py, own, stored, ideal, energy_conserving, PyDict::new(py))
 }
 
 /// Two models at one incidence (degrees), over directions dense about the mirror or unbent direction: dict of rel_l1, rel_rms

@@ -10,7 +10,7 @@ import typer
 
 import gonio
 from gonio.building import CANDIDATES, stated_errors
-from gonio.cli.reduce import Bits, MaxBytes, Name, Target, show
+from gonio.cli.reduce import Bits, Direct, MaxBytes, Name, Target, show
 from gonio.cli.running import Json, out, print_json, progress_bar, warn
 from gonio.files import check_file
 
@@ -33,15 +33,6 @@ Candidate = Annotated[
     ),
 ]
 
-Direct = Annotated[
-    bool | None,
-    typer.Option(
-        "--direct/--no-direct",
-        help="Take peaks as narrow as the beam out of the BSDF as light that leaves unscattered; "
-        "with -o, whose file has no place for it, only when asked.",
-    ),
-]
-
 
 def build(
     measurement: Annotated[Path, typer.Argument(help="Directory written by gonio process.")],
@@ -49,7 +40,7 @@ def build(
     symmetry: Symmetry = "auto",
     smooth: Smooth = True,
     candidate: Candidate = None,
-    direct: Direct = None,
+    direct: Direct = True,
     target_file: Annotated[
         Path | None, typer.Option("-o", "--out", help="File of the compact model of it (.nc).")
     ] = None,
@@ -73,7 +64,7 @@ def build(
             symmetry=symmetry,
             smooth=smooth,
             candidate=candidate,
-            direct=target_file is None if direct is None else direct,
+            direct=direct,
             progress=progress,
         )
         reduction = None
@@ -88,7 +79,7 @@ def build(
                 name=title,
                 progress=progress,
             )
-    warn(model.warnings)
+    warn(model.warnings if reduction is None else reduction.warnings)
     if json:
         print_json(
             {

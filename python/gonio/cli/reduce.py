@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -20,11 +21,19 @@ MaxBytes = Annotated[
     int | None,
     typer.Option(
         "--max-bytes",
-        help="Most bytes of the table of one channel and component. Without it 14000 (isotropic) or 380000.",
+        help="Most bytes of the table of one channel and component. Without it 16000 (isotropic) or 400000.",
     ),
 ]
 Bits = Annotated[
-    int | None, typer.Option("--bits", help="Bits of a value: 8 or 16. Without it what it takes.")
+    int | None, typer.Option("--bits", help="Bits of a value: 8 or 16. Without it the bytes decide.")
+]
+Direct = Annotated[
+    bool,
+    typer.Option(
+        "--direct/--no-direct",
+        help="Take peaks of a measurement that are as narrow as the beam out of the BSDF, as light that "
+        "leaves unscattered.",
+    ),
 ]
 Name = Annotated[str | None, typer.Option("--name", help="Name of the material. Without it the sample's.")]
 
@@ -43,6 +52,7 @@ def reduce(
     max_bytes: MaxBytes = None,
     bits: Bits = None,
     name: Name = None,
+    direct: Direct = True,
     json: Json = False,
 ) -> None:
     """Write any model as gonio's compact one and show what that loses: a few kilobytes, fast to evaluate."""
@@ -56,6 +66,7 @@ def reduce(
             max_bytes=max_bytes,
             bits=bits,
             name=name,
+            direct=direct,
             progress=progress,
         )
     warn(reduction.warnings + reduction.loss.warnings)
@@ -72,6 +83,9 @@ def show(reduction: Reduction) -> None:
     for (side, component), size in reduction.model.bytes_per_channel.items():
         rows = [r for r in reduction.loss.rows if (r.side, r.component) == (side, component)]
         loss = summarised(rows)
+        if not math.isfinite(loss["rel_l1"]):
+            out.print(f"  {side} {component}: {size} bytes a channel, unscattered light alone")
+            continue
         quantity = "DHR" if component == "reflection" else "DHT"
         peak = 100 * (loss["peak_ratio"] - 1)
         out.print(
@@ -81,4 +95,6 @@ def show(reduction: Reduction) -> None:
             f"reciprocity {reciprocity_text(loss['reciprocity_b'])} "
             f"(full {reciprocity_text(loss['reciprocity_a'])})"
         )
+    for (side, component), error in reduction.model.report["ideal_error"].items():
+        out.print(f"  {side} {component}: unscattered share within {100 * error:.2g} % of the light")
     out.print(f"  largest directional albedo {reduction.model.report['max_albedo']:.4f}")

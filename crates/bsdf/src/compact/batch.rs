@@ -7,7 +7,7 @@ use crate::analytic::{Fast, Real};
 use crate::batch::Directions;
 
 use super::dense::Slab;
-use super::frame::{ANISOTROPIC, BILATERAL, CHIRAL, ISOTROPIC, QUADRILATERAL};
+use super::frame::{ANISOTROPIC, BILATERAL, CHIRAL, HALF_TURN, ISOTROPIC, QUADRILATERAL};
 use super::{Part, Symmetry};
 
 /// Pairs that are worked on together.
@@ -49,6 +49,7 @@ pub(super) fn add(
         Symmetry::IsotropicChiral => add_kind::<CHIRAL, 3>(part, slab, wi, ws, base, out),
         Symmetry::Quadrilateral => add_kind::<QUADRILATERAL, 4>(part, slab, wi, ws, base, out),
         Symmetry::Bilateral => add_kind::<BILATERAL, 4>(part, slab, wi, ws, base, out),
+        Symmetry::HalfTurn => add_kind::<HALF_TURN, 4>(part, slab, wi, ws, base, out),
         Symmetry::Anisotropic => add_kind::<ANISOTROPIC, 4>(part, slab, wi, ws, base, out),
     }
 }

@@ -125,6 +125,7 @@ impl Frame {
             Symmetry::IsotropicChiral => chart.coordinates::<f64, CHIRAL>(wi, ws),
             Symmetry::Quadrilateral => chart.coordinates::<f64, QUADRILATERAL>(wi, ws),
             Symmetry::Bilateral => chart.coordinates::<f64, BILATERAL>(wi, ws),
+            Symmetry::HalfTurn => chart.coordinates::<f64, HALF_TURN>(wi, ws),
             Symmetry::Anisotropic => chart.coordinates::<f64, ANISOTROPIC>(wi, ws),
         }
     }
@@ -177,6 +178,7 @@ pub(super) const CHIRAL: u8 = 1;
 pub(super) const QUADRILATERAL: u8 = 2;
 pub(super) const BILATERAL: u8 = 3;
 pub(super) const ANISOTROPIC: u8 = 4;
+pub(super) const HALF_TURN: u8 = 5;
 
 /// The numbers of a [`Frame`] that its coordinates take.
 #[derive(Clone, Copy, Debug)]
@@ -219,6 +221,10 @@ impl Chart {
             if KIND == QUADRILATERAL {
                 hx = R::select(-ix, -hx, hx);
                 ix = ix.abs();
+            }
+            if KIND == HALF_TURN {
+                hx = R::select(-iy, -hx, hx);
+                ix = R::select(-iy, -ix, ix);
             }
             if KIND != ANISOTROPIC {
                 hy = R::select(-iy, -hy, hy);

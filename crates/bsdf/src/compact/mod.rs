@@ -2,11 +2,15 @@
 //!
 //! `f = b(wi, ws) exp(q)`, `b` a sum of models of the registry, `q` interpolated linearly between quantised nodes in the
 //! coordinates of a [`Frame`], in which peaks about the mirror (unbent) direction stay resolved at every incidence. Samples
-//! are drawn from `b`, whose mixture density they have exactly; their weight is bounded, as the ratio is.
+//! are drawn from `b`, whose mixture density they have exactly; their weight is bounded, as the ratio is. Light that leaves
+//! without spreading is kept apart, as shares over the incidence.
 
 mod batch;
+mod coding;
 mod dense;
 mod frame;
+mod ideal;
+mod range_coder;
 mod symmetry;
 mod table;
 #[cfg(test)]
@@ -14,19 +18,20 @@ mod tests;
 
 use gonio_geom::{Component, Direction, Side};
 
-use crate::analytic::{Parametric, Scatters, Sum, model_named};
+use crate::analytic::{Parametric, Scatters, Sum, lobe_named};
 use crate::batch::{Directions, SampleColumns, eval_each, sample_each};
-use crate::{Bsdf, BsdfError, Channel, FourComponents, Properties, Sample};
+use crate::{Bsdf, BsdfError, Channel, FourComponents, Lobe, Properties, Sample};
 
 use dense::Dense;
 pub use frame::Frame;
+pub use ideal::IdealPart;
 pub use symmetry::Symmetry;
-pub use table::{Codes, LARGEST, Quantised};
+pub use table::{Coded, LARGEST, Quantised};
 
 /// One lobe of a base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseLobe {
-    /// Name of an analytic model that scatters into the part's component alone.
+    /// Name of an analytic model ([`lobe_named`]) that scatters into the part's component alone.
     pub model: String,
     /// Its parameters, one list a channel.
     pub parameters: Vec<Vec<f64>>,
@@ -46,9 +51,11 @@ pub struct CompactPart {
 }
 
 impl CompactPart {
-    /// Bytes of the table for one channel: codes, offsets and steps.
+    /// Bytes of the table for one channel as stored, those of the largest: codes, offsets and steps, and what tells where its
+    /// nodes are (numbers, widths, azimuth).
     pub fn bytes_per_channel(&self) -> usize {
-        self.frame.len() * self.table.codes.bits() as usize / 8 + 8 * self.frame.shape[0]
+        let coded = self.table.coded(&self.frame);
+        FRAME_BYTES + coded.iter().map(Coded::len).max().unwrap_or(0)
     }
 }
 
@@ -68,8 +75,16 @@ pub struct Compact {
     channels: Vec<Channel>,
     energy_conserving: bool,
     stored: FourComponents<CompactPart>,
+    ideal: FourComponents<IdealPart>,
     parts: Vec<Part>,
+    /// What the lobes of the front and of the back stand for together, the unit of their weights.
+    lit: [f64; 2],
 }
+
+/// Four numbers of nodes, two widths and an azimuth.
+pub const FRAME_BYTES: usize = 4 * 4 + 3 * 8;
+/// Least probability of drawing lobes beside an ideal part, and an ideal part beside lobes.
+const LEAST_CHANCE: f64 = 0.02;
 
 /// Pairs whose base is evaluated at once.
 const STRETCH: usize = 1024;
@@ -85,11 +100,29 @@ impl Compact {
         parts: FourComponents<CompactPart>,
         energy_conserving: bool,
     ) -> Result<Self, BsdfError> {
-        if channels.is_empty() || parts.is_empty() {
-            let found = format!("{} channels, {} components", channels.len(), parts.len());
+        Self::with_ideal(channels, parts, FourComponents::default(), energy_conserving)
+    }
+
+    /// The model of `parts` and of light that is mirrored or passes straight through. A component may have either or both.
+    ///
+    /// # Errors
+    /// As [`Compact::new`], and for shares that are not as many as the nodes or outside 0 to 1.
+    pub fn with_ideal(
+        channels: Vec<Channel>,
+        parts: FourComponents<CompactPart>,
+        ideal: FourComponents<IdealPart>,
+        energy_conserving: bool,
+    ) -> Result<Self, BsdfError> {
+        let components = parts.len() + ideal.len();
+        if channels.is_empty() || components == 0 {
+            let found = format!("{} channels, {components} components", channels.len());
             return Err(domain("parts", found, "at least one channel and component"));
         }
+        for (.., part) in ideal.iter() {
+            part.check(channels.len())?;
+        }
         let mut ready = Vec::new();
+        let mut lit = [0.0; 2];
         for (side, component, part) in parts.iter() {
             part.frame.check()?;
             part.table.check(&part.frame, channels.len())?;
@@ -99,6 +132,7 @@ impl Compact {
                 .filter(|(s, ..)| *s == side)
                 .map(|(.., p)| of_side(p))
                 .sum();
+            lit[usize::from(side == Side::Back)] = total;
             ready.push(Part {
                 side,
                 component,
@@ -112,13 +146,45 @@ impl Compact {
             channels,
             energy_conserving,
             stored: parts,
+            ideal,
             parts: ready,
+            lit,
         })
     }
 
     /// The components as they are stored.
     pub fn parts(&self) -> &FourComponents<CompactPart> {
         &self.stored
+    }
+
+    /// The shares of light that does not spread.
+    pub fn ideal(&self) -> &FourComponents<IdealPart> {
+        &self.ideal
+    }
+
+    /// Probability of drawing the ideal direction of either component, for light from `w`.
+    fn chances(&self, w: Direction) -> [(Component, f64); 2] {
+        let mut chances = [Component::Reflection, Component::Transmission].map(|c| (c, 0.0));
+        if self.ideal.is_empty() || w.cos_theta() == 0.0 {
+            return chances;
+        }
+        let mut shares = vec![0.0; self.channels.len()];
+        for (component, chance) in &mut chances {
+            if self.delta(w, *component, &mut shares).is_some() {
+                *chance = shares.iter().sum();
+            }
+        }
+        let ideal: f64 = chances.iter().map(|c| c.1).sum();
+        if ideal > 0.0 {
+            let lit = self.lit[usize::from(w.side() == Side::Back)];
+            let share = if lit > 0.0 {
+                (ideal / (ideal + lit)).clamp(LEAST_CHANCE, 1.0 - LEAST_CHANCE)
+            } else {
+                1.0
+            };
+            chances.iter_mut().for_each(|c| c.1 *= share / ideal);
+        }
+        chances
     }
 
     fn part(&self, w: Direction, s: Direction) -> Option<&Part> {
@@ -136,7 +202,7 @@ impl Compact {
 fn base(channels: &[Channel], component: Component, lobes: &[BaseLobe]) -> Result<Sum, BsdfError> {
     let mut parts = Vec::with_capacity(lobes.len());
     for lobe in lobes {
-        let family: &dyn Parametric = model_named(&lobe.model)?;
+        let family: &dyn Parametric = lobe_named(&lobe.model)?;
         let only = match component {
             Component::Reflection => Scatters::Reflection,
             Component::Transmission => Scatters::Transmission,
@@ -218,7 +284,8 @@ impl Bsdf for Compact {
         Properties {
             reciprocal: false,
             energy_conserving: self.energy_conserving,
-            isotropic: self.parts.iter().all(|p| p.frame.symmetry.is_isotropic()),
+            isotropic: self.parts.iter().all(|p| p.frame.symmetry.is_isotropic())
+                && self.ideal.iter().all(|(.., p)| p.symmetry.is_isotropic()),
         }
     }
 
@@ -229,17 +296,48 @@ impl Bsdf for Compact {
         }
     }
 
-    fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
-        self.part(w, sampled)
-            .map_or(0.0, |part| part.probability * part.base.pdf(w, sampled))
+    fn delta(&self, w: Direction, component: Component, shares: &mut [f64]) -> Option<Direction> {
+        shares.fill(0.0);
+        let part = self.ideal.get(w.side(), component)?;
+        if w.cos_theta() == 0.0 {
+            return None;
+        }
+        part.shares(w, shares);
+        shares
+            .iter()
+            .any(|s| *s > 0.0)
+            .then(|| ideal::straight(w, component))
     }
 
-    /// Draws a component, a lobe of its base and a direction from it; the density is that of the mixture.
+    fn pdf(&self, w: Direction, sampled: Direction) -> f64 {
+        let scattered = 1.0 - self.chances(w).iter().map(|c| c.1).sum::<f64>();
+        self.part(w, sampled).map_or(0.0, |part| {
+            scattered * part.probability * part.base.pdf(w, sampled)
+        })
+    }
+
+    /// Draws the ideal part or a component, a lobe of its base and a direction from it; the density is that of the mixture.
     fn sample(&self, w: Direction, u: [f64; 3]) -> Option<Sample> {
         if w.cos_theta() == 0.0 {
             return None;
         }
         let mut rest = u[2];
+        let chances = self.chances(w);
+        for (component, chance) in chances {
+            if rest < chance {
+                let mut shares = vec![0.0; self.channels.len()];
+                let direction = self.delta(w, component, &mut shares)?;
+                return Some(Sample {
+                    direction,
+                    weight: shares[0] / chance,
+                    pdf: chance,
+                    lobe: Lobe::Delta,
+                });
+            }
+            rest -= chance;
+        }
+        let scattered = 1.0 - chances.iter().map(|c| c.1).sum::<f64>();
+        rest = (rest / scattered).clamp(0.0, 1.0 - f64::EPSILON);
         let mut parts = self.parts.iter().filter(|p| p.side == w.side()).peekable();
         let part = loop {
             let part = parts.next()?;

@@ -15,17 +15,20 @@ pub enum Symmetry {
     Quadrilateral,
     /// Mirrored in the plane of `phi_x`. Rank 4.
     Bilateral,
+    /// The same after half a turn about the normal. Rank 4.
+    HalfTurn,
     /// Nothing. Rank 4.
     Anisotropic,
 }
 
 impl Symmetry {
     /// Every symmetry, with its name in files.
-    pub const NAMES: [(Symmetry, &'static str); 5] = [
+    pub const NAMES: [(Symmetry, &'static str); 6] = [
         (Symmetry::Isotropic, "isotropic"),
         (Symmetry::IsotropicChiral, "isotropic-chiral"),
         (Symmetry::Quadrilateral, "quadrilateral"),
         (Symmetry::Bilateral, "bilateral"),
+        (Symmetry::HalfTurn, "half-turn"),
         (Symmetry::Anisotropic, "anisotropic"),
     ];
 
@@ -44,7 +47,7 @@ impl Symmetry {
         match self {
             Symmetry::Isotropic | Symmetry::IsotropicChiral => Axis::Single,
             Symmetry::Quadrilateral => Axis::Ends(1.0),
-            Symmetry::Bilateral => Axis::Ends(2.0),
+            Symmetry::Bilateral | Symmetry::HalfTurn => Axis::Ends(2.0),
             Symmetry::Anisotropic => Axis::Round,
         }
     }

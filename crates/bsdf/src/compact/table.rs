@@ -1,48 +1,10 @@
-//! Quantised logarithms of ratios, and their interpolation.
+//! Quantised logarithms of ratios.
 
 use crate::BsdfError;
 
+use super::coding::{self, MOST, Weights};
 use super::domain;
 use super::frame::Frame;
-
-/// Codes of 8 or 16 bits, `[channel][x][p_i][u][p_h]`.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Codes {
-    /// One byte each.
-    Eight(Vec<i8>),
-    /// Two bytes each.
-    Sixteen(Vec<i16>),
-}
-
-impl Codes {
-    /// Number of codes.
-    pub fn len(&self) -> usize {
-        match self {
-            Codes::Eight(v) => v.len(),
-            Codes::Sixteen(v) => v.len(),
-        }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Bits of a code.
-    pub fn bits(&self) -> u32 {
-        match self {
-            Codes::Eight(_) => 8,
-            Codes::Sixteen(_) => 16,
-        }
-    }
-
-    fn at(&self, k: usize) -> f64 {
-        match self {
-            Codes::Eight(v) => f64::from(v[k]),
-            Codes::Sixteen(v) => f64::from(v[k]),
-        }
-    }
-}
 
 /// Largest logarithm of a ratio that a table may hold, either sign.
 pub const LARGEST: f64 = 30.0;
@@ -50,12 +12,34 @@ pub const LARGEST: f64 = 30.0;
 /// Logarithms of ratios at the nodes of a frame: `offset + step code`, one offset and step for each channel and `x`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantised {
-    /// The codes.
-    pub codes: Codes,
-    /// `[channel][x]`.
+    codes: Vec<i16>,
+    offset: Vec<f32>,
+    step: Vec<f32>,
+    /// What predicts a code from its neighbours, one a channel; it counts for the stored bytes alone.
+    weights: Vec<Weights>,
+}
+
+/// A stored channel of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coded {
+    /// The codes, [`Quantised::coded`].
+    pub bytes: Vec<u8>,
+    /// Offsets: one for each `x`, or one for all.
     pub offset: Vec<f32>,
-    /// `[channel][x]`, positive or 0.
+    /// Steps: as many.
     pub step: Vec<f32>,
+}
+
+impl Coded {
+    /// Stored bytes: codes, offsets and steps.
+    pub fn len(&self) -> usize {
+        self.bytes.len() + 4 * (self.offset.len() + self.step.len())
+    }
+
+    /// Whether nothing is stored.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
 impl Quantised {
@@ -65,22 +49,14 @@ impl Quantised {
     /// # Errors
     /// [`BsdfError::Domain`] for other numbers of bits, and values that are not as many as the frame says or not finite.
     pub fn of(frame: &Frame, values: &[f64], bits: u32) -> Result<Self, BsdfError> {
-        frame.check()?;
-        let row = frame.len() / frame.shape[0];
-        if values.is_empty() || !values.len().is_multiple_of(frame.len()) {
-            let allowed = format!("a multiple of {} nodes", frame.len());
-            return Err(domain("values", format!("{} values", values.len()), allowed));
-        }
-        if let Some(bad) = values.iter().find(|v| !v.is_finite()) {
-            return Err(domain("values", bad.to_string(), "finite numbers"));
-        }
+        check_values(frame, values)?;
         let half = match bits {
             8 => 127.0,
             16 => 32767.0,
             _ => return Err(domain("bits", bits.to_string(), "8 or 16")),
         };
         let (mut offset, mut step, mut codes) = (Vec::new(), Vec::new(), Vec::new());
-        for row in values.chunks(row) {
+        for row in values.chunks(frame.len() / frame.shape[0]) {
             let drawn = row.iter().map(|v| v.clamp(-LARGEST, LARGEST));
             let (low, high) = drawn
                 .clone()
@@ -96,20 +72,150 @@ impl Quantised {
                 } else {
                     0.0
                 };
-                code.round().clamp(-half, half)
+                code.round().clamp(-half, half) as i16
             }));
             offset.push(centre);
             step.push(width);
         }
+        Self::of_codes(frame, codes, offset, step)
+    }
+
+    /// Quantises `values` (`[channel][node]`, of `frame`) in steps of `step`, each within half a step or within the `slack` of
+    /// its node (half widths, in logarithms, as many as values), whichever is more; within its slack a value takes what needs
+    /// the fewest bytes.
+    ///
+    /// # Errors
+    /// [`BsdfError::Domain`] for a step that is not between 0.0025 and 2, and values or slacks that are not as many as the
+    /// frame says or not finite.
+    pub fn near(frame: &Frame, values: &[f64], step: f64, slack: &[f64]) -> Result<Self, BsdfError> {
+        check_values(frame, values)?;
+        if !(0.0025..=2.0).contains(&step) {
+            return Err(domain("step", step.to_string(), "0.0025 to 2"));
+        }
+        if slack.len() != values.len() || slack.iter().any(|s| !s.is_finite()) {
+            let found = format!("{} values", slack.len());
+            return Err(domain("slack", found, format!("{} finite numbers", values.len())));
+        }
+        let step = step as f32;
+        let wide = f64::from(step);
+        let (mut codes, mut weights) = (Vec::new(), Vec::new());
+        for (values, slack) in values.chunks(frame.len()).zip(slack.chunks(frame.len())) {
+            let values: Vec<f64> = values.iter().map(|v| v.clamp(-LARGEST, LARGEST)).collect();
+            let own = coding::weights(frame.shape, &values);
+            let near = coding::near(frame.shape, &own, &values, wide, |k| slack[k] / wide);
+            codes.extend(near.iter().map(|c| *c as i16));
+            weights.push(own);
+        }
+        let rows = weights.len() * frame.shape[0];
         Ok(Quantised {
-            codes: if bits == 8 {
-                Codes::Eight(codes.iter().map(|c| *c as i8).collect())
-            } else {
-                Codes::Sixteen(codes.iter().map(|c| *c as i16).collect())
-            },
+            codes,
+            offset: vec![0.0; rows],
+            step: vec![step; rows],
+            weights,
+        })
+    }
+
+    /// The table of known codes (`[channel][node]`), offsets and steps (`[channel][x]`).
+    ///
+    /// # Errors
+    /// [`BsdfError::Domain`] for numbers that are not as many as the frame says, and logarithms beyond twice [`LARGEST`].
+    pub fn of_codes(
+        frame: &Frame,
+        codes: Vec<i16>,
+        offset: Vec<f32>,
+        step: Vec<f32>,
+    ) -> Result<Self, BsdfError> {
+        frame.check()?;
+        if codes.is_empty() || !codes.len().is_multiple_of(frame.len()) {
+            let allowed = format!("a multiple of {} nodes", frame.len());
+            return Err(domain("codes", format!("{} values", codes.len()), allowed));
+        }
+        let weights = codes
+            .chunks(frame.len())
+            .map(|codes| {
+                let values: Vec<f64> = codes.iter().map(|c| f64::from(*c)).collect();
+                coding::weights(frame.shape, &values)
+            })
+            .collect();
+        let table = Quantised {
+            codes,
             offset,
             step,
-        })
+            weights,
+        };
+        table.check(frame, table.weights.len())?;
+        Ok(table)
+    }
+
+    /// The table of stored channels.
+    ///
+    /// # Errors
+    /// As [`Quantised::of_codes`], and for bytes that are no codes of the frame.
+    pub fn of_coded(frame: &Frame, channels: &[Coded]) -> Result<Self, BsdfError> {
+        frame.check()?;
+        let mut table = Quantised {
+            codes: Vec::new(),
+            offset: Vec::new(),
+            step: Vec::new(),
+            weights: Vec::new(),
+        };
+        for channel in channels {
+            let (weights, codes) = coding::decode(frame.shape, &channel.bytes)?;
+            table.codes.extend(codes.iter().map(|c| *c as i16));
+            table.weights.push(weights);
+            for (rows, given) in [
+                (&mut table.offset, &channel.offset),
+                (&mut table.step, &channel.step),
+            ] {
+                match given[..] {
+                    [one] => rows.extend(std::iter::repeat_n(one, frame.shape[0])),
+                    _ => rows.extend_from_slice(given),
+                }
+            }
+        }
+        table.check(frame, channels.len())?;
+        Ok(table)
+    }
+
+    /// What is stored of each channel. Offsets and steps that are the same at every `x` are stored once.
+    pub fn coded(&self, frame: &Frame) -> Vec<Coded> {
+        let rows = frame.shape[0];
+        let once = |v: &[f32]| v.iter().all(|x| *x == v[0]);
+        self.weights
+            .iter()
+            .enumerate()
+            .map(|(c, weights)| {
+                let codes: Vec<i32> = self.codes[c * frame.len()..(c + 1) * frame.len()]
+                    .iter()
+                    .map(|v| i32::from(*v))
+                    .collect();
+                let (offset, step) = (
+                    &self.offset[c * rows..(c + 1) * rows],
+                    &self.step[c * rows..(c + 1) * rows],
+                );
+                let kept = if once(offset) && once(step) { 1 } else { rows };
+                Coded {
+                    bytes: coding::encode(frame.shape, weights, &codes),
+                    offset: offset[..kept].to_vec(),
+                    step: step[..kept].to_vec(),
+                }
+            })
+            .collect()
+    }
+
+    /// The codes, `[channel][x][p_i][u][p_h]`.
+    pub fn codes(&self) -> &[i16] {
+        &self.codes
+    }
+
+    /// The offsets, `[channel][x]`.
+    pub fn offset(&self) -> &[f32] {
+        &self.offset
+    }
+
+    /// The steps, `[channel][x]`; not negative.
+    pub fn step(&self) -> &[f32] {
+        &self.step
     }
 
     /// Checks lengths and ranges for `channels` channels of `frame`.
@@ -125,12 +231,13 @@ impl Quantised {
                 return Err(domain(field, format!("{found} values"), allowed));
             }
         }
-        let half = if self.codes.bits() == 8 { 128.0 } else { 32768.0 };
-        for (offset, step) in self.offset.iter().zip(&self.step) {
-            let largest = f64::from(offset.abs()) + half * f64::from(*step);
+        let rows = self.codes.chunks(frame.len() / frame.shape[0]);
+        for ((offset, step), codes) in self.offset.iter().zip(&self.step).zip(rows) {
+            let most = codes.iter().map(|c| c.unsigned_abs()).max().unwrap_or(0);
+            let largest = f64::from(offset.abs()) + f64::from(most) * f64::from(*step);
             // false for NaN
             if !(*step >= 0.0 && largest <= 2.1 * LARGEST) {
-                let found = format!("offset {offset}, step {step}");
+                let found = format!("offset {offset}, step {step}, codes up to {most}");
                 return Err(domain(
                     "offset",
                     found,
@@ -144,8 +251,28 @@ impl Quantised {
     /// The values, `[channel][node]`.
     pub fn values(&self, frame: &Frame) -> Vec<f64> {
         let row = frame.len() / frame.shape[0];
-        (0..self.codes.len())
-            .map(|k| f64::from(self.offset[k / row]) + f64::from(self.step[k / row]) * self.codes.at(k))
+        self.codes
+            .iter()
+            .enumerate()
+            .map(|(k, code)| {
+                f64::from(self.offset[k / row]) + f64::from(self.step[k / row]) * f64::from(*code)
+            })
             .collect()
     }
 }
+
+/// Values of one or more channels of a sound frame, all finite.
+fn check_values(frame: &Frame, values: &[f64]) -> Result<(), BsdfError> {
+    frame.check()?;
+    if values.is_empty() || !values.len().is_multiple_of(frame.len()) {
+        let allowed = format!("a multiple of {} nodes", frame.len());
+        return Err(domain("values", format!("{} values", values.len()), allowed));
+    }
+    match values.iter().find(|v| !v.is_finite()) {
+        Some(bad) => Err(domain("values", bad.to_string(), "finite numbers")),
+        None => Ok(()),
+    }
+}
+
+// codes are kept in two bytes
+const _: () = assert!(MOST == i16::MAX as i32);

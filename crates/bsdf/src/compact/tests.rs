@@ -118,7 +118,7 @@ fn values_at_the_nodes_are_the_quantised_ones_within_half_a_step() {
     for (symmetry, _) in Symmetry::NAMES {
         for bits in [8, 16] {
             let part = part(Component::Reflection, symmetry, 1, bits, wavy);
-            let (frame, step) = (part.frame, part.table.step.clone());
+            let (frame, step) = (part.frame, part.table.step().to_vec());
             let mut parts = FourComponents::default();
             parts.set(Side::Front, Component::Reflection, Some(part.clone()));
             let mut even = part;
@@ -143,8 +143,11 @@ fn values_at_the_nodes_are_the_quantised_ones_within_half_a_step() {
                     }
                 });
                 // at u = 0 the azimuth has no meaning, at x = 0 that of the incidence has none; on a mirror plane a pair is
-                // its own image, and this table answers either half
-                let mirrored = matches!(symmetry, Symmetry::Quadrilateral | Symmetry::Bilateral);
+                // its own image, and this table answers either half; so are ends half a turn apart
+                let mirrored = matches!(
+                    symmetry,
+                    Symmetry::Quadrilateral | Symmetry::Bilateral | Symmetry::HalfTurn
+                );
                 let met = node[0] > 0 && node[2] > 0 && !(mirrored && (node[1] == 0 || node[1] + 1 == n1));
                 let Some((wi, ws, _)) = frame.pair(at).filter(|_| met) else {
                     continue;
@@ -273,8 +276,22 @@ fn what_does_not_fit_together_is_refused_by_name() {
     assert_eq!(refused(&|p| p.base[1].parameters[0][1] = 7.0), "alpha");
     assert_eq!(refused(&|p| p.base[1].parameters.clear()), "parameters");
     assert_eq!(refused(&|p| p.base.clear()), "parts");
-    assert_eq!(refused(&|p| p.table.offset[0] = f32::NAN), "offset");
-    assert_eq!(refused(&|p| p.table.step[0] = -0.1), "offset");
+    let part = good();
+    let table = |offset: f32, step: f32| {
+        let rows = part.frame.shape[0];
+        let codes = part.table.codes().to_vec();
+        Quantised::of_codes(&part.frame, codes, vec![offset; rows], vec![step; rows]).map(|_| ())
+    };
+    assert!(table(0.5, 0.1).is_ok());
+    for (offset, step) in [(f32::NAN, 0.1), (0.0, -0.1), (0.0, 1.0)] {
+        assert!(
+            matches!(
+                table(offset, step),
+                Err(BsdfError::Domain { field: "offset", .. })
+            ),
+            "{offset} {step}"
+        );
+    }
 }
 
 #[test]
@@ -306,5 +323,143 @@ fn one_incidence_for_all_pairs_gives_what_each_its_own_gives() {
                 assert!(lit > 200, "{symmetry:?} {theta}: {lit}");
             }
         }
+    }
+}
+
+#[test]
+fn stored_tables_come_back_as_they_were() {
+    for (symmetry, _) in Symmetry::NAMES {
+        for bits in [8, 16] {
+            let part = part(Component::Reflection, symmetry, 2, bits, wavy);
+            let stored = part.table.coded(&part.frame);
+            assert_eq!(Quantised::of_coded(&part.frame, &stored).unwrap(), part.table);
+        }
+        let frame = part(Component::Reflection, symmetry, 1, 8, wavy).frame;
+        let values: Vec<f64> = (0..2 * frame.len()).map(wavy).collect();
+        let table = Quantised::near(&frame, &values, 0.02, &vec![0.0; values.len()]).unwrap();
+        let stored = table.coded(&frame);
+        assert!(stored.iter().all(|c| c.offset == [0.0] && c.step.len() == 1));
+        assert_eq!(Quantised::of_coded(&frame, &stored).unwrap(), table);
+        for (found, wanted) in table.values(&frame).iter().zip(&values) {
+            assert!((found - wanted).abs() <= 0.0101, "{found} {wanted}");
+        }
+    }
+}
+
+/// A part that repeats after half a turn only, and not in a mirror.
+#[test]
+fn a_half_turn_of_both_directions_changes_nothing() {
+    let model = model(Symmetry::HalfTurn, vec![Channel::Photopic]);
+    let turned = |d: Direction| {
+        let v = d.vec();
+        Direction::from_unit(gonio_geom::DVec3::new(-v.x, -v.y, v.z))
+    };
+    let mirrored = |d: Direction| {
+        let v = d.vec();
+        Direction::from_unit(gonio_geom::DVec3::new(v.x, -v.y, v.z))
+    };
+    let (mut lit, mut handed) = (0, 0);
+    for k in 0..2000 {
+        let (wi, ws) = pair(k);
+        let (a, b) = (model.eval_first(wi, ws), model.eval_first(turned(wi), turned(ws)));
+        assert!((a - b).abs() <= 1e-5 * a, "{a} {b}");
+        lit += usize::from(a > 0.0);
+        handed += usize::from((model.eval_first(mirrored(wi), mirrored(ws)) / a - 1.0).abs() > 0.05);
+    }
+    assert!(lit > 500 && handed > 300, "{lit} {handed}");
+}
+
+/// Shares of the front over 3 polar angles and 5 azimuths.
+fn share(symmetry: Symmetry, channels: usize) -> IdealPart {
+    let shape = [3, if symmetry.is_isotropic() { 1 } else { 5 }];
+    IdealPart {
+        symmetry,
+        phi_x: 0.0,
+        shape,
+        shares: (0..channels * shape[0] * shape[1])
+            .map(|k| 0.2 + 0.01 * k as f32)
+            .collect(),
+    }
+}
+
+#[test]
+fn light_that_does_not_spread_is_kept_apart_and_drawn_by_its_share() {
+    for symmetry in [Symmetry::Isotropic, Symmetry::Quadrilateral, Symmetry::HalfTurn] {
+        let both = [(true, 2), (false, 1)].map(|(scatters, n)| {
+            let mut parts = FourComponents::default();
+            if scatters {
+                parts.set(
+                    Side::Front,
+                    Component::Reflection,
+                    Some(part(Component::Reflection, symmetry, n, 8, wavy)),
+                );
+            }
+            let mut ideal = FourComponents::default();
+            ideal.set(Side::Front, Component::Transmission, Some(share(symmetry, n)));
+            (
+                scatters,
+                Compact::with_ideal(three()[..n].to_vec(), parts, ideal, false).unwrap(),
+            )
+        });
+        for (scatters, model) in both {
+            let w = Direction::from_degrees(40.0, 30.0);
+            let mut shares = vec![0.0; model.channels().len()];
+            let straight = model.delta(w, Component::Transmission, &mut shares).unwrap();
+            assert!(straight.angle_to(w.through()) < 1e-12 && model.has_delta());
+            assert_eq!(model.eval_first(w, straight), 0.0);
+            let (mut drawn, mut mean) = (0, 0.0);
+            let n = 20_000;
+            for k in 0..n {
+                let t = f64::from(k);
+                let u = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|a: f64| (a * t).fract());
+                let Some(s) = model.sample(w, u) else { continue };
+                if s.lobe == crate::Lobe::Delta {
+                    assert!(s.direction.angle_to(straight) < 1e-12);
+                    assert!((s.weight * s.pdf - shares[0]).abs() < 1e-12);
+                    mean += s.weight / f64::from(n);
+                    drawn += 1;
+                } else {
+                    assert!((s.pdf / model.pdf(w, s.direction) - 1.0).abs() < 1e-12);
+                }
+            }
+            assert!((mean - shares[0]).abs() < 0.02 * shares[0], "{mean} {shares:?}");
+            assert_eq!(drawn == n, !scatters);
+            let back = Direction::from_degrees(140.0, 30.0);
+            assert!(model.delta(back, Component::Transmission, &mut shares).is_none());
+        }
+    }
+}
+
+#[test]
+fn shares_are_those_of_the_nodes_and_linear_between_them() {
+    let mut ideal = FourComponents::default();
+    let part = IdealPart {
+        shares: vec![0.9, 0.5, 0.1],
+        ..share(Symmetry::Isotropic, 1)
+    };
+    ideal.set(Side::Back, Component::Reflection, Some(part.clone()));
+    let model = Compact::with_ideal(vec![Channel::Photopic], FourComponents::default(), ideal, true).unwrap();
+    for (x, wanted) in [(0.0, 0.9), (0.25, 0.7), (0.5, 0.5), (0.9, 0.18)] {
+        let theta = Frame::cos_theta_i(x).clamp(-1.0, 1.0).acos().to_degrees();
+        let mut found = [0.0];
+        let w = Direction::from_degrees(180.0 - theta, 50.0);
+        let to = model.delta(w, Component::Reflection, &mut found).unwrap();
+        assert!(
+            (found[0] - wanted).abs() < 1e-6 && to.angle_to(w.mirror()) < 1e-12,
+            "{found:?} {wanted}"
+        );
+    }
+    for shares in [vec![0.5; 2], vec![0.5, 1.5, 0.0], vec![0.5, f32::NAN, 0.0]] {
+        let mut ideal = FourComponents::default();
+        ideal.set(
+            Side::Front,
+            Component::Reflection,
+            Some(IdealPart {
+                shares,
+                ..part.clone()
+            }),
+        );
+        let made = Compact::with_ideal(vec![Channel::Photopic], FourComponents::default(), ideal, true);
+        assert!(matches!(made, Err(BsdfError::Domain { field: "shares", .. })));
     }
 }

@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, LazyLock};
 
-use gonio_bsdf::analytic::{Sum, family, models};
-use gonio_bsdf::compact::{BaseLobe, CompactPart, Frame, Quantised, Symmetry};
+use gonio_bsdf::analytic::{Parametric, Sum, family, models, retro_lobes};
+use gonio_bsdf::compact::{BaseLobe, CompactPart, Frame, IdealPart, Quantised, Symmetry};
 use gonio_bsdf::{Bsdf, Channel, Compact, FourComponents, RadianceMaterial};
-use gonio_geom::Component;
+use gonio_geom::{Component, Side};
 use rayon::prelude::*;
 
 use crate::chi_square::sidak;
@@ -89,11 +89,13 @@ fn radiance() -> Subject {
     }
 }
 
-/// Compact models: both components, isotropic and not, ratios between 1/e and e.
+/// Compact models: both components, isotropic and not, a lobe about the incidence, light that passes straight through,
+/// ratios between 1/e and e.
 fn compact() -> Subject {
     let settings = [
         Symmetry::Isotropic,
         Symmetry::Quadrilateral,
+        Symmetry::HalfTurn,
         Symmetry::Anisotropic,
     ]
     .map(|symmetry| {
@@ -117,20 +119,33 @@ fn compact() -> Subject {
                     ("bounded-transmission-lobe", vec![0.2, 0.15]),
                 ),
             };
-            let base =
-                [(diffuse, vec![0.1], 0.1), (lobe.0, lobe.1, 0.25)].map(|(model, p, weight)| BaseLobe {
-                    model: model.into(),
-                    parameters: vec![p],
-                    weight,
-                });
+            let mut lobes = vec![(diffuse, vec![0.1], 0.1), (lobe.0, lobe.1, 0.25)];
+            if symmetry == Symmetry::HalfTurn && component == Component::Reflection {
+                lobes.push(("round-retro-lobe", vec![0.1, 0.2], 0.1));
+            }
+            let base = lobes.into_iter().map(|(model, p, weight)| BaseLobe {
+                model: model.into(),
+                parameters: vec![p],
+                weight,
+            });
             let part = CompactPart {
-                base: base.to_vec(),
+                base: base.collect(),
                 frame,
                 table: Quantised::of(&frame, &values, 8).unwrap(),
             };
             parts.set(side, component, Some(part));
         }
-        let model = Compact::new(vec![Channel::Photopic], parts, false).unwrap();
+        let mut ideal = FourComponents::default();
+        if symmetry == Symmetry::HalfTurn {
+            let shares = IdealPart {
+                symmetry,
+                phi_x: 0.2,
+                shape: [2, 3],
+                shares: vec![0.3, 0.2, 0.3, 0.1, 0.0, 0.1],
+            };
+            ideal.set(Side::Front, Component::Transmission, Some(shares));
+        }
+        let model = Compact::with_ideal(vec![Channel::Photopic], parts, ideal, false).unwrap();
         (symmetry.name().to_owned(), Arc::new(model) as Arc<dyn Bsdf>)
     });
     Subject {
@@ -139,9 +154,10 @@ fn compact() -> Subject {
     }
 }
 
-/// The registered models, a sum of four of them, Radiance materials and compact models.
+/// The registered models, lobes of bases, a sum of four of them, Radiance materials and compact models.
 fn subjects() -> Vec<Subject> {
-    let registered = models().map(|model| Subject {
+    let retro = retro_lobes().map(|lobe| lobe as &dyn Parametric);
+    let registered = models().chain(retro).map(|model| Subject {
         name: model.info().name,
         settings: settings(model.info())
             .iter()

@@ -6,7 +6,6 @@ mod divisor;
 mod drawing;
 mod fitting;
 mod recipes;
-mod retro;
 mod search;
 mod zernike;
 

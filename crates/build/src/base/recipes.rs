@@ -1,17 +1,14 @@
 //! The analytic sums that are tried as a base.
 
 use gonio_bsdf::BsdfError;
-use gonio_bsdf::analytic::{Family, Of, Role, family};
+use gonio_bsdf::analytic::{Family, Of, Role, family, retro_lobes};
 use gonio_fit::FitModel;
 use gonio_geom::Component;
 
 use super::Moves;
 use super::diffuse::Coated;
-use super::retro::{RetroLobe, RoundRetroLobe};
 
 static COATED: Of<Coated, 1> = Of::NEW;
-static RETRO: Of<RetroLobe, 2> = Of::NEW;
-static ROUND: Of<RoundRetroLobe, 2> = Of::NEW;
 
 /// Lobes about the mirror direction that stand beside the diffuse parts, for samples without an axis.
 const ISOTROPIC: &[&[&str]] = &[
@@ -190,8 +187,7 @@ const SECOND: [(f64, f64); 6] = [
 
 /// `recipe` with a lobe about the direction of incidence, of either kind.
 pub(crate) fn with_retro(recipe: &Recipe) -> [Recipe; 2] {
-    let kinds: [&'static dyn Family; 2] = [&RETRO, &ROUND];
-    kinds.map(|kind| {
+    retro_lobes().map(|kind| {
         let mut parts = recipe.parts();
         parts.push((kind, Moves::Retro));
         Recipe::new(&parts)

@@ -1,7 +1,7 @@
 //! The base of a compact model: lobes of the registry fitted to the model.
 
 use gonio_bsdf::Bsdf;
-use gonio_bsdf::analytic::{Role, Sum, family};
+use gonio_bsdf::analytic::{Family, Role, Sum, lobe_named, retro_lobes};
 use gonio_bsdf::compact::BaseLobe;
 use gonio_fit::{FitModel, FitOptions, Metric, fit, fit_model};
 use gonio_geom::{Angles, Component, Side};
@@ -22,11 +22,12 @@ const LEAST_LOBE: f64 = 1e-6;
 /// Width of the half vector that stands for a model without a lobe.
 const BROAD: f64 = 0.5;
 
-/// Relative L1 misfit of one lobe with axes above which two are tried.
-const CROSSED_ABOVE: f64 = 0.05;
+/// Relative L1 misfit above which a second lobe with axes of its own, and a lobe about the incidence, are tried.
+const MORE_ABOVE: f64 = 0.05;
 
 /// A base that was fitted.
 struct Attempt {
+    model: FitModel,
     score: f64,
     misfit: f64,
     base: Base,
@@ -34,14 +35,19 @@ struct Attempt {
     q: Vec<Vec<f64>>,
 }
 
-/// Where to look for the parameters of the sum `name` when those without its last lobe are `known`: lists of one list a
-/// channel.
-fn second_lobe(name: &str, known: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
-    let Ok(model) = fit_model(name) else {
-        return Vec::new();
-    };
+/// The sum of `known` and one more lobe.
+fn with_lobe(known: &FitModel, lobe: &'static dyn Family) -> FitModel {
+    let mut families: Vec<&'static dyn Family> = known.parts.iter().map(|p| p.family).collect();
+    families.push(lobe);
+    let names: Vec<&str> = families.iter().map(|f| f.info().name).collect();
+    let name = names.join("+");
+    FitModel::sum_of(&name, &name, &families)
+}
+
+/// Where to look for the parameters of `model` when those without its last lobe are `known`: lists of one list a channel.
+fn starts(model: &FitModel, known: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
     let recipe = Recipe {
-        model,
+        model: model.clone(),
         moves: Vec::new(),
     };
     let each: Vec<Vec<Vec<f64>>> = known.iter().map(|q| recipe.starts(q)).collect();
@@ -61,16 +67,20 @@ pub(super) struct Base {
 }
 
 impl Base {
-    /// Fits a diffuse part and a lobe, or two lobes where one leaves too much, to the model.
+    /// Fits a diffuse part and a lobe, or two lobes and one about the incidence where one leaves too much, to the model.
     ///
     /// # Errors
     /// [`BsdfError`] for what no measurement can be made of.
     pub(super) fn fitted(source: &Source<'_>) -> Result<Self, BsdfError> {
         let isotropic = source.view.properties().isotropic;
         let names: &[&str] = match (source.component, isotropic) {
-            (Component::Reflection, true) => {
-                &["lambert+ggx", "lambert+ward-gmd", "lambert+ward-gmd+ward-gmd"]
-            }
+            (Component::Reflection, true) => &[
+                "lambert+ggx",
+                "lambert+ward-gmd",
+                "lambert+harvey-shack",
+                "lambert+ward-gmd+ward-gmd",
+                "lambert+ggx+ggx",
+            ],
             (Component::Reflection, false) => &["lambert+ggx-anisotropic", "lambert+ward-gmd-anisotropic"],
             (Component::Transmission, true) => &["lambert-transmission+bounded-transmission-lobe"],
             (Component::Transmission, false) => &[
@@ -128,18 +138,18 @@ impl Base {
             ..FitOptions::default()
         };
         let probes = probes();
-        let attempt = |name: &str, start: Option<Vec<Vec<f64>>>| {
-            let model = fit_model(name).ok()?;
+        let attempt = |model: &FitModel, start: Option<Vec<Vec<f64>>>| {
             let options = FitOptions {
                 start,
                 ..options.clone()
             };
-            let found = fit(&measured, &model, &options).ok()?;
+            let found = fit(&measured, model, &options).ok()?;
             let q: Vec<Vec<f64>> = found.parameters().into_iter().map(|p| p.1).collect();
-            let base = Base::of(source, &model, &q, floor).ok()?;
+            let base = Base::of(source, model, &q, floor).ok()?;
             let misfit = base.misfit(source, &probes);
             let cost = 1.0 + LOBE_COST * base.lobes.len() as f64;
             Some(Attempt {
+                model: model.clone(),
                 score: cost * misfit,
                 misfit,
                 base,
@@ -147,18 +157,32 @@ impl Base {
             })
         };
         let least = |a: &Attempt, b: &Attempt| a.score.total_cmp(&b.score);
-        let one: Vec<Attempt> = names.par_iter().filter_map(|name| attempt(name, None)).collect();
-        let mut best = one.into_iter().min_by(least);
-        if let Some(one) = best.as_ref().filter(|b| !isotropic && b.misfit > CROSSED_ABOVE)
-            && let Some(lobe) = one.base.lobes.last()
-        {
-            // A second lobe with axes of its own, from many places about the first.
-            let name = format!("{diffuse}+{0}+{0}", lobe.model);
-            let two: Vec<Attempt> = second_lobe(&name, &one.q)
+        // One more lobe, from many places about those that are known.
+        let grown = |known: &Attempt, lobe: &'static dyn Family| -> Vec<Attempt> {
+            let model = with_lobe(&known.model, lobe);
+            let starts = starts(&model, &known.q);
+            starts
                 .into_par_iter()
-                .filter_map(|start| attempt(&name, Some(start)))
-                .collect();
+                .filter_map(|start| attempt(&model, Some(start)))
+                .collect()
+        };
+        let mut best = names
+            .par_iter()
+            .filter_map(|name| attempt(&fit_model(name).ok()?, None))
+            .min_by(least);
+        let crossed = best.as_ref().filter(|b| !isotropic && b.misfit > MORE_ABOVE);
+        if let Some((one, lobe)) = crossed.and_then(|b| Some((b, b.model.parts.last()?.family))) {
+            let two = grown(one, lobe);
             best = best.into_iter().chain(two).min_by(least);
+        }
+        if source.component == Component::Reflection
+            && let Some(without) = best.as_ref().filter(|b| b.misfit > MORE_ABOVE)
+        {
+            let with: Vec<Attempt> = retro_lobes()
+                .into_iter()
+                .flat_map(|lobe| grown(without, lobe))
+                .collect();
+            best = best.into_iter().chain(with).min_by(least);
         }
         match best {
             Some(found) => Ok(found.base),
@@ -184,7 +208,8 @@ impl Base {
                     continue;
                 }
             }
-            if let Some(first) = at(Role::Width) {
+            let retro = retro_lobes().iter().any(|l| l.info().name == info.name);
+            if let Some(first) = at(Role::Width).filter(|_| !retro) {
                 let axes: Vec<f64> = (first..info.parameters.len())
                     .filter(|j| info.parameters[*j].role == Role::Width)
                     .map(|j| parameters[0][j] * half_vectors_share(source.component))
@@ -229,7 +254,7 @@ impl Base {
                 .copied()
                 .zip(lobe.parameters.iter().cloned())
                 .collect();
-            parts.push((family(&lobe.model)?.model(&values)?, 1.0));
+            parts.push((lobe_named(&lobe.model)?.model(&values)?, 1.0));
         }
         Ok(Base {
             sum: Sum::weighted(parts, true)?,

@@ -1,14 +1,16 @@
 //! Reduction to the compact model: lobes of the registry times a quantised table of ratios.
 
 mod base;
+mod ideal;
 mod plan;
 mod samples;
 mod solve;
 mod source;
+mod table;
 #[cfg(test)]
 mod tests;
 
-use gonio_bsdf::compact::{CompactPart, Frame, Quantised};
+use gonio_bsdf::compact::{CompactPart, Frame, Symmetry};
 use gonio_bsdf::{Bsdf, BsdfError, Compact, FourComponents};
 use gonio_geom::{Component, Side};
 
@@ -16,19 +18,25 @@ use super::{OneChannel, largest_albedo};
 use base::Base;
 use plan::{Wanted, plan};
 use samples::{Samples, draw};
-use solve::{Grid, at_nodes, error, refine};
 use source::{Pair, Source, View};
+use table::{Tabulated, tabulated};
 
 /// Bytes of a table for one channel of a component where none are given: isotropic, others.
-const MOST_BYTES: [usize; 2] = [14_000, 380_000];
+const MOST_BYTES: [usize; 2] = [16_000, 400_000];
 /// Share of the target that the loss of unequal mirror images may take.
 const SYMMETRY_SHARE: f64 = 0.2;
-/// Samples per node.
-const PER_NODE: usize = 5;
+/// Share of an error above the target that the loss of unequal mirror images may take, where a table of a higher symmetry is
+/// tried for the bytes that it saves.
+const SYMMETRY_GAIN: f64 = 0.4;
+/// Bits of a node that the first plan reckons with.
+const FIRST_BITS: f64 = 3.0;
+/// Ratio of the errors with and without quantisation between which bytes are spent well: below it more nodes in coarser steps
+/// are tried, above it fewer.
+const BALANCE: [f64; 2] = [1.15, 1.35];
 /// Samples that tell the error.
 const JUDGES: usize = 60_000;
 /// Rounds of planning at most.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 4;
 
 /// How to reduce a model to the compact one.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,9 +47,11 @@ pub struct CompactOptions {
     pub components: Option<Vec<(Side, Component)>>,
     /// Relative L1 error, mean over incidences, at which a table is fine enough; `[1e-4, 1]`.
     pub target: f64,
-    /// Most bytes of the table of a channel and component; `None` is 14 000 for isotropic models and 380 000 for others.
+    /// Most bytes of the table of a channel and component as stored; `None` is 16 000 for isotropic models and 400 000 for
+    /// others.
     pub max_bytes: Option<usize>,
-    /// Bits of a value, 8 or 16; `None` takes 16 where 8 miss the target and the bytes suffice.
+    /// Bits of a value, 8 or 16, the range of every incidence divided evenly; `None` takes the step that gives the least error
+    /// within the bytes.
     pub bits: Option<u32>,
 }
 
@@ -62,44 +72,74 @@ impl Default for CompactOptions {
 pub struct CompactReduction {
     /// The model.
     pub model: Compact,
-    /// Relative L1 error of each channel, mean over incidences up to 89 degrees, at points that the table was not fitted to.
+    /// Relative L1 error of each channel, mean over incidences, at points that the table was not fitted to. Incidences beyond
+    /// 75 degrees count less, as `cos(theta_i) / cos(75 deg)`.
     pub error: FourComponents<Vec<f64>>,
+    /// Largest difference of the share of light that does not spread from that of the model, any channel.
+    pub ideal_error: FourComponents<f64>,
     /// [`largest_albedo`] of it.
     pub max_albedo: f64,
 }
 
 /// Reduces `model`: fits lobes to it, chooses coordinates and nodes by the interpolation errors that they leave, fits the
-/// nodes to the model between them, and quantises them.
+/// nodes to the model between them, and quantises them. Light that is mirrored or passes straight through ([`Bsdf::delta`]) is
+/// kept apart, as shares over the incidence.
 ///
 /// # Errors
-/// [`BsdfError::Domain`] for a channel the model does not have, no component that scatters, an ideal part
-/// ([`Bsdf::delta`]), or a target, number of bytes or bits out of range.
+/// [`BsdfError::Domain`] for a channel the model does not have, no component that scatters, an ideal part that bends light,
+/// or a target, number of bytes or bits out of range.
 pub fn to_compact(model: &dyn Bsdf, options: &CompactOptions) -> Result<CompactReduction, BsdfError> {
     let channels = options
         .channels
         .clone()
         .unwrap_or_else(|| (0..model.channels().len()).collect());
     check(options)?;
-    let mut components = None;
     for &channel in &channels {
-        let one = OneChannel::new(model, channel)?;
-        if components.is_none() {
-            components = Some(one.components(options.components.as_deref())?);
-        }
+        OneChannel::with_ideal(model, channel)?;
     }
     let view = View::new(model, channels);
-    let mut parts = FourComponents::default();
-    let mut errors = FourComponents::default();
-    for (side, component) in components.unwrap_or_default() {
-        let (part, error) = reduce(&Source::new(&view, side, component), options)?;
-        parts.set(side, component, Some(part));
-        errors.set(side, component, Some(error));
+    let (mut parts, mut errors) = (FourComponents::default(), FourComponents::default());
+    let (mut ideals, mut ideal_error) = (FourComponents::default(), FourComponents::default());
+    let mut found = 0;
+    for (side, component) in FourComponents::<()>::KEYS {
+        let asked = options
+            .components
+            .as_ref()
+            .map(|list| list.contains(&(side, component)));
+        if asked == Some(false) {
+            continue;
+        }
+        let ideal = ideal::ideal(&view, side, component, options.target)?;
+        let scatters = (0..view.channels().len()).any(|index| {
+            let one = OneChannel { model: &view, index };
+            one.scatters(side, component)
+        });
+        found += usize::from(scatters || ideal.is_some());
+        if scatters {
+            let (part, error) = reduce(&Source::new(&view, side, component), options)?;
+            parts.set(side, component, Some(part));
+            errors.set(side, component, Some(error));
+        }
+        if let Some((part, error)) = ideal {
+            ideals.set(side, component, Some(part));
+            ideal_error.set(side, component, Some(error));
+        }
     }
-    let made = Compact::new(view.channels().to_vec(), parts.clone(), false)?;
-    let max_albedo = largest_albedo(&made).value;
+    if found == 0 {
+        return Err(BsdfError::Domain {
+            field: "components",
+            found: "none that scatters".into(),
+            allowed: "at least one".into(),
+        });
+    }
+    let of = |conserves: bool| {
+        Compact::with_ideal(view.channels().to_vec(), parts.clone(), ideals.clone(), conserves)
+    };
+    let max_albedo = largest_albedo(&of(false)?).value;
     Ok(CompactReduction {
-        model: Compact::new(view.channels().to_vec(), parts, max_albedo <= 1.0 + 1e-3)?,
+        model: of(max_albedo <= 1.0 + 1e-3)?,
         error: errors,
+        ideal_error,
         max_albedo,
     })
 }
@@ -130,42 +170,98 @@ fn check(options: &CompactOptions) -> Result<(), BsdfError> {
 /// One component and the error of each channel.
 fn reduce(source: &Source<'_>, options: &CompactOptions) -> Result<(CompactPart, Vec<f64>), BsdfError> {
     let mut base = Base::fitted(source)?;
-    let (symmetry, phi_x) = source.find_symmetry(&axes(base.phi_x), SYMMETRY_SHARE * options.target);
-    let source = source.averaged(symmetry, phi_x);
-    let isotropic = symmetry.is_isotropic();
-    let most = options.max_bytes.unwrap_or(MOST_BYTES[usize::from(!isotropic)]);
-    let bytes = options.bits.unwrap_or(8) as usize / 8;
+    let axes = axes(base.phi_x);
+    let (symmetry, phi_x) = source.find_symmetry(&axes, SYMMETRY_SHARE * options.target);
+    let (part, errors) = within(source, &mut base, symmetry, phi_x, options)?;
+    let found = largest(&errors);
+    if found > options.target {
+        // A symmetry that costs less than the bytes that it saves.
+        let (higher, phi_x) = source.find_symmetry(&axes, SYMMETRY_GAIN * found);
+        if higher != symmetry {
+            let other = within(source, &mut base, higher, phi_x, options)?;
+            if largest(&other.1) < found {
+                return Ok(other);
+            }
+        }
+    }
+    Ok((part, errors))
+}
+
+/// The best table of a symmetry within the bytes.
+fn within(
+    source: &Source<'_>,
+    base: &mut Base,
+    symmetry: Symmetry,
+    phi_x: f64,
+    options: &CompactOptions,
+) -> Result<(CompactPart, Vec<f64>), BsdfError> {
+    let even = source.averaged(symmetry, phi_x);
+    let most = options
+        .max_bytes
+        .unwrap_or(MOST_BYTES[usize::from(!symmetry.is_isotropic())]);
+    let mut bytes_per_node = options.bits.map_or(FIRST_BITS, f64::from) / 8.0;
     let mut target = options.target;
-    let mut best: Option<(CompactPart, Vec<f64>)> = None;
+    let mut best: Option<(Frame, Tabulated)> = None;
+    let mut tried = Vec::new();
     for _ in 0..ROUNDS {
-        // 8 bytes of offset and step an incidence, of which there are at most 40
         let wanted = Wanted {
             target,
-            nodes: most.saturating_sub(320).max(100) / bytes,
+            nodes: (most as f64 / bytes_per_node) as usize,
         };
-        let frame = plan(&source, &base, symmetry, phi_x, wanted);
-        let judges = draw(&source, &base, &frame, 1 << 24, JUDGES);
-        weigh(&mut base, &source, &judges);
-        let (table, errors) = tabulated(&source, &base, &frame, &judges, options, most)?;
-        let part = CompactPart {
-            base: base.lobes.clone(),
-            frame,
-            table,
-        };
-        let found = largest(&errors);
-        if best.as_ref().is_none_or(|(_, known)| found < largest(known)) {
-            best = Some((part, errors));
-        }
-        if found <= options.target || frame.len() * bytes * 5 > most * 4 {
+        let frame = plan(&even, base, symmetry, phi_x, wanted);
+        if tried.contains(&frame) {
             break;
         }
-        target *= (0.8 * options.target / found).min(0.8);
+        tried.push(frame);
+        let judges = draw(source, base, &frame, 1 << 24, JUDGES);
+        weigh(base, source, &judges);
+        let found = tabulated(&even, base, &frame, &judges, options, most)?;
+        let (error, bytes) = (found.error(), found.bytes);
+        let quantised = error / found.unquantised.max(1e-9);
+        let fits = bytes <= most;
+        let better = best.as_ref().is_none_or(|(_, known)| {
+            let known_fits = known.bytes <= most;
+            if fits != known_fits {
+                fits
+            } else if fits {
+                error < known.error()
+            } else {
+                bytes < known.bytes
+            }
+        });
+        if better {
+            best = Some((frame, found));
+        }
+        if !fits {
+            bytes_per_node *= 1.1 * bytes as f64 / most as f64;
+        } else if error <= options.target {
+            break;
+        } else if frame.len() as f64 * bytes_per_node * 5.0 < most as f64 * 4.0 {
+            // the plan took its errors for smaller than they are
+            target *= (0.8 * options.target / error).min(0.8);
+        } else if options.bits.is_some() {
+            break;
+        } else if quantised > BALANCE[1] {
+            bytes_per_node *= 1.25;
+        } else if quantised < BALANCE[0] {
+            bytes_per_node *= 0.75;
+        } else {
+            break;
+        }
     }
-    best.ok_or_else(|| BsdfError::Domain {
-        field: "model",
-        found: "no table".into(),
-        allowed: "a model that scatters".into(),
-    })
+    let (frame, found) = best
+        .filter(|b| b.1.bytes <= most)
+        .ok_or_else(|| BsdfError::Domain {
+            field: "max_bytes",
+            found: most.to_string(),
+            allowed: "enough for a table of the model".into(),
+        })?;
+    let part = CompactPart {
+        base: base.lobes.clone(),
+        frame,
+        table: found.table,
+    };
+    Ok((part, found.errors))
 }
 
 /// Azimuths that may be mirror planes: that of the lobe and those of the sample.
@@ -187,39 +283,4 @@ fn weigh(base: &mut Base, source: &Source<'_>, samples: &Samples) {
         .step_by(10)
         .collect();
     base.weigh(source, &some, samples.albedo);
-}
-
-/// The fitted and quantised table, and the error of each channel.
-fn tabulated(
-    source: &Source<'_>,
-    base: &Base,
-    frame: &Frame,
-    judges: &Samples,
-    options: &CompactOptions,
-    most: usize,
-) -> Result<(Quantised, Vec<f64>), BsdfError> {
-    let grid = Grid::new(frame);
-    let mut values = at_nodes(source, base, frame);
-    let samples = draw(source, base, frame, 1, PER_NODE * frame.len());
-    for (values, column) in values.chunks_mut(frame.len()).zip(&samples.columns) {
-        refine(&grid, &samples, column, values);
-    }
-    let quantised = |bits: u32| -> Result<(Quantised, Vec<f64>), BsdfError> {
-        let table = Quantised::of(frame, &values, bits)?;
-        let restored = table.values(frame);
-        let errors = restored
-            .chunks(frame.len())
-            .zip(&judges.columns)
-            .map(|(values, column)| error(&grid, judges, column, values))
-            .collect();
-        Ok((table, errors))
-    };
-    let (table, errors) = quantised(options.bits.unwrap_or(8))?;
-    if options.bits.is_none() && largest(&errors) > options.target && 2 * frame.len() + 320 <= most {
-        let finer = quantised(16)?;
-        if largest(&finer.1) < 0.85 * largest(&errors) {
-            return Ok(finer);
-        }
-    }
-    Ok((table, errors))
 }

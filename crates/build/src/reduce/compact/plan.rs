@@ -14,9 +14,9 @@ const PROBES: usize = 5000;
 const FITTED: f64 = 0.55;
 
 const X: &[usize] = &[4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40];
-const U: &[usize] = &[6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 64, 80];
+const U: &[usize] = &[6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 64, 80, 96, 112, 128];
 const QUARTER: &[usize] = &[2, 3, 4, 5, 6, 7, 9, 11, 13];
-const HALF: &[usize] = &[3, 4, 5, 7, 9, 11, 13, 17, 21, 25, 33];
+const HALF: &[usize] = &[3, 4, 5, 7, 9, 11, 13, 17, 21, 25, 33, 41];
 const ROUND: &[usize] = &[4, 6, 8, 12, 16, 20, 24, 32, 40, 48, 64];
 
 /// What is asked of a table.
@@ -80,7 +80,7 @@ impl Errors {
         let phi_i: &[usize] = match symmetry {
             Symmetry::Isotropic | Symmetry::IsotropicChiral => &[1],
             Symmetry::Quadrilateral => QUARTER,
-            Symmetry::Bilateral => HALF,
+            Symmetry::Bilateral | Symmetry::HalfTurn => HALF,
             Symmetry::Anisotropic => ROUND,
         };
         let phi_h = if symmetry == Symmetry::Isotropic {

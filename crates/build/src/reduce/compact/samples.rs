@@ -11,6 +11,8 @@ const LEAST_LOG: f64 = -7.0;
 const LARGEST_LOG: f64 = 12.0;
 /// Stretches of the incidence axis over each of which the light is made equal.
 const STRETCHES: usize = 16;
+/// Cosine of 75 degrees: light of incidences beyond counts by the share of it that an even sky sends there.
+const STEEP: f64 = 0.258_819_045_102_520_76;
 /// End of the incidence axis for what is drawn: 89.4 degrees.
 const END: f64 = 0.985;
 
@@ -21,7 +23,8 @@ const _: () = assert!(LARGEST_LOG <= LARGEST);
 pub(super) struct Column {
     /// `ln(f / base)`.
     pub(super) log: Vec<f32>,
-    /// Light of the pair, `f cos` times solid angle, in units of the mean of its incidence.
+    /// Light of the pair, `f cos` times solid angle, in units of the mean of its incidence; beyond 75 degrees less, as
+    /// `cos(theta_i) / cos(75 deg)`.
     pub(super) weight: Vec<f32>,
 }
 
@@ -87,7 +90,8 @@ pub(super) fn draw(source: &Source<'_>, base: &Base, frame: &Frame, first: u32, 
             let (f, b) = (f[j * n + c], b[j * n + c]);
             let (sum, number) = sums[stretch(place)];
             let weight = if sum > 0.0 {
-                f * angles[j] * number as f64 / sum
+                let slant = (pairs[j].0.cos_theta() / STEEP).min(1.0);
+                slant * f * angles[j] * number as f64 / sum
             } else {
                 0.0
             };

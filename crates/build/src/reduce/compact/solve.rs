@@ -68,12 +68,11 @@ impl Grid {
     }
 }
 
-/// Logarithms at the nodes as the model has them, `[channel][node]`; where a node is no pair, those of the nearest pair of
-/// smaller half vector.
-pub(super) fn at_nodes(source: &Source<'_>, base: &Base, frame: &Frame) -> Vec<f64> {
+/// The pairs at the nodes; where a node is no pair, the nearest one of smaller half vector.
+pub(super) fn nodes(frame: &Frame) -> Vec<Pair> {
     let [_, n1, n2, n3] = frame.shape;
     let density = frame.density();
-    let pairs: Vec<Pair> = (0..frame.len())
+    (0..frame.len())
         .into_par_iter()
         .map(|k| {
             let node = [k / (n1 * n2 * n3), k / (n2 * n3) % n1, k / n3 % n2, k % n3];
@@ -88,8 +87,7 @@ pub(super) fn at_nodes(source: &Source<'_>, base: &Base, frame: &Frame) -> Vec<f
                 }),
             )
         })
-        .collect();
-    logs(source, base, &pairs)
+        .collect()
 }
 
 /// Logarithms of pairs, `[channel][pair]`.
@@ -173,6 +171,22 @@ pub(super) fn refine(grid: &Grid, samples: &Samples, column: &Column, values: &m
         p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + share * *p);
         rz = next;
     }
+}
+
+/// Light at each node of one channel, that of the mean node being 1.
+pub(super) fn light(grid: &Grid, samples: &Samples, column: &Column, nodes: usize) -> Vec<f64> {
+    let mut light = vec![0.0; nodes];
+    for (place, weight) in samples.places.iter().zip(&column.weight) {
+        let (at, share, used) = grid.corners(place);
+        for k in 0..used {
+            light[at[k] as usize] += f64::from(share[k] * weight);
+        }
+    }
+    let mean = light.iter().sum::<f64>() / nodes as f64;
+    if mean > 0.0 {
+        light.iter_mut().for_each(|l| *l /= mean);
+    }
+    light
 }
 
 /// Relative L1 error of `values` over the samples of one channel, the mean over incidences.

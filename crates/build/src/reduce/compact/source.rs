@@ -22,6 +22,20 @@ impl<'a> View<'a> {
             channels,
         }
     }
+
+    /// The ideal part ([`Bsdf::delta`]): shares of the channels that are kept, and the direction.
+    pub(super) fn shares(&self, w: Direction, component: Component, shares: &mut [f64]) -> Option<Direction> {
+        let mut all = vec![0.0; self.model.channels().len()];
+        let to = self.model.delta(w, component, &mut all);
+        for (share, k) in shares.iter_mut().zip(&self.indices) {
+            *share = if all[*k].is_finite() {
+                all[*k].clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+        }
+        to.filter(|_| shares.iter().any(|s| *s > 0.0))
+    }
 }
 
 impl Bsdf for View<'_> {
@@ -33,6 +47,7 @@ impl Bsdf for View<'_> {
         self.model.properties()
     }
 
+    /// The scattered light alone: ideal parts are kept apart ([`View::shares`]).
     fn eval(&self, wi: Direction, ws: Direction, f: &mut [f64]) {
         let sound = |v: f64| if v.is_finite() { v.max(0.0) } else { 0.0 };
         if let ([0], [f]) = (&self.indices[..], &mut *f) {
@@ -139,6 +154,10 @@ impl<'a> Source<'a> {
                 return (Symmetry::Quadrilateral, axis);
             }
         }
+        let first = axes.first().copied().unwrap_or(0.0);
+        if holds(Symmetry::HalfTurn, first) {
+            return (Symmetry::HalfTurn, first);
+        }
         for &axis in axes {
             for axis in [axis, axis + quarter] {
                 if holds(Symmetry::Bilateral, axis) {
@@ -146,27 +165,28 @@ impl<'a> Source<'a> {
                 }
             }
         }
-        (Symmetry::Anisotropic, axes.first().copied().unwrap_or(0.0))
+        (Symmetry::Anisotropic, first)
     }
 }
 
 /// A linear map of the sample plane, row after row.
-type Image = [f64; 4];
+pub(super) type Image = [f64; 4];
 
 const SAME: Image = [1.0, 0.0, 0.0, 1.0];
 
 /// Maps of the sample plane that leave `f` as it is.
-fn images(symmetry: Symmetry, phi_x: f64) -> Vec<Image> {
+pub(super) fn images(symmetry: Symmetry, phi_x: f64) -> Vec<Image> {
     let (sin, cos) = (2.0 * phi_x).sin_cos();
     let across = [cos, sin, sin, -cos];
     match symmetry {
         Symmetry::Isotropic | Symmetry::Bilateral => vec![SAME, across],
         Symmetry::Quadrilateral => vec![SAME, across, across.map(|v| -v), SAME.map(|v| -v)],
+        Symmetry::HalfTurn => vec![SAME, SAME.map(|v| -v)],
         Symmetry::IsotropicChiral | Symmetry::Anisotropic => vec![SAME],
     }
 }
 
-fn turned(image: &Image, d: Direction) -> Direction {
+pub(super) fn turned(image: &Image, d: Direction) -> Direction {
     let v = d.vec();
     Direction::from_unit(DVec3::new(
         image[0] * v.x + image[1] * v.y,
