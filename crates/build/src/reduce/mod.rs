@@ -29,19 +29,6 @@ struct OneChannel<'a> {
 }
 
 impl<'a> OneChannel<'a> {
-    /// Of a model without an ideal part.
-    fn new(model: &'a dyn Bsdf, index: usize) -> Result<Self, BsdfError> {
-        let one = OneChannel::with_ideal(model, index)?;
-        if model.has_delta() {
-            return Err(BsdfError::Domain {
-                field: "model",
-                found: "an ideal part (mirror, unbent or refracted transmission)".into(),
-                allowed: "lobes of finite width: a table has no directions narrower than its cells".into(),
-            });
-        }
-        Ok(one)
-    }
-
     fn with_ideal(model: &'a dyn Bsdf, index: usize) -> Result<Self, BsdfError> {
         let n = model.channels().len();
         if index >= n {
