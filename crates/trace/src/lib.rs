@@ -1,0 +1,12 @@
+//! Light transport: rays against geometry, light sources, cameras, integrators, film.
+
+pub mod bvh;
+pub mod camera;
+pub mod light;
+pub mod material;
+pub mod path;
+pub mod render;
+pub mod sampler;
+pub mod scene;
+pub mod shape;
+pub mod vector;
