@@ -1,0 +1,1 @@
+//! The function language of RADIANCE (`.cal` files).

@@ -1,0 +1,1 @@
+//! RADIANCE scene text: items and their arguments, then surfaces, materials and lights.
