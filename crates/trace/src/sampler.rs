@@ -4,10 +4,12 @@
 /// order shuffled anew [Burley2020]. The same pixel, sample and seed give the same numbers, on any thread.
 #[derive(Clone, Debug)]
 pub struct Sampler {
+    /// The index with its bits in reverse.
     index: u32,
     seed: u32,
     dimension: u32,
     state: u64,
+    /// The second number of a pair of which one was asked for.
     left: Option<f32>,
 }
 
@@ -17,7 +19,7 @@ impl Sampler {
     pub fn new(seed: u64, pixel: u32, index: u32) -> Self {
         let seed = hash((seed ^ (seed >> 32)) as u32 ^ hash(pixel.wrapping_mul(0x9e37_79b9)));
         Sampler {
-            index,
+            index: index.reverse_bits(),
             seed,
             dimension: 0,
             state: (u64::from(seed) << 32 | u64::from(hash(index ^ seed)))
@@ -32,7 +34,7 @@ impl Sampler {
         if let Some(second) = self.left.take() {
             return second;
         }
-        let [first, second] = self.pair();
+        let [first, second] = self.two();
         self.left = Some(second);
         first
     }
@@ -40,28 +42,27 @@ impl Sampler {
     /// The next two numbers, stratified together.
     #[inline(always)]
     pub fn two(&mut self) -> [f32; 2] {
-        self.left = None;
-        self.pair()
-    }
-
-    #[inline(always)]
-    fn pair(&mut self) -> [f32; 2] {
         if self.dimension >= EVEN_PAIRS {
             // Of later dimensions, evenness does little for the picture: a plain generator, a multiplication a number.
             return [self.random(), self.random()];
         }
+        self.pair()
+    }
+
+    #[inline]
+    fn pair(&mut self) -> [f32; 2] {
         let seed = hash(self.seed ^ self.dimension.wrapping_mul(0x85eb_ca6b));
         self.dimension += 1;
-        let index = scramble(self.index.reverse_bits(), seed).reverse_bits();
+        let index = scramble(self.index, seed).reverse_bits();
         [
-            unit(scramble(index, hash(seed ^ 0x1234_5678)).reverse_bits()),
-            unit(scramble(second(index), hash(seed ^ 0x9abc_def0)).reverse_bits()),
+            unit(scramble(index, seed.wrapping_mul(0x9e37_79b9) ^ 0x1234_5678).reverse_bits()),
+            unit(scramble(second(index), seed.wrapping_mul(0x85eb_ca77) ^ 0x9abc_def1).reverse_bits()),
         ]
     }
 }
 
-/// Pairs of dimensions of Sobol points, before random numbers begin: the pixel and two or three scatterings.
-const EVEN_PAIRS: u32 = 8;
+/// Pairs of dimensions of Sobol points, before random numbers begin: the pixel and two scatterings.
+const EVEN_PAIRS: u32 = 7;
 
 /// The second Sobol dimension before its bits are reversed: bit `i` is the sum of the bits of all indices that hold those
 /// of `i`, by Pascal's triangle modulo 2 [Sobol1967].
