@@ -67,10 +67,10 @@ fn room(triangles: usize) -> Mesh {
     mesh
 }
 
+/// CPU seconds of this thread.
 fn cpu() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap();
-    let fields: Vec<&str> = text.rsplit(") ").next().unwrap().split(' ').collect();
-    (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
+    text.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-9
 }
 
 fn main() {
@@ -117,7 +117,8 @@ fn main() {
         if n.dot(d) > 0.0 {
             n = -n;
         }
-        let p = glam::Vec3::from(r.origin) + h.t * d + 1e-4 * n;
+        let p = (glam::Vec3::from(r.origin) + h.t * d + 1e-4 * n)
+            .clamp(glam::Vec3::splat(1e-4), glam::Vec3::splat(1.0 - 1e-4));
         let (a, b) = n.any_orthonormal_pair();
         let (u, v): (f32, f32) = (rng.random(), rng.random());
         let (s, c) = (std::f32::consts::TAU * v).sin_cos();

@@ -108,8 +108,9 @@ pub(super) struct Packet {
 }
 
 impl Packet {
+    /// Lanes without a triangle fail every comparison.
     pub(super) const EMPTY: Packet = Packet {
-        vertices: [[[0.0; PACKET]; 3]; 3],
+        vertices: [[[f32::NAN; PACKET]; 3]; 3],
         triangle: [NONE; PACKET],
     };
 }

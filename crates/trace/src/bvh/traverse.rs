@@ -46,35 +46,33 @@ pub(super) unsafe fn closest<T: Tests>(bvh: &Bvh, ray: &Ray) -> Option<Hit> {
             if mask != 0 {
                 let first = mask.trailing_zeros() as usize & 7;
                 mask &= mask - 1;
-                if mask == 0 {
-                    current = node.child[first];
-                    continue;
-                }
-                let bottom = depth;
-                let mut push = |e: Entry| {
-                    // Farthest at the bottom; the depth of the tree bounds the stack (checked when it is built).
-                    let mut k = depth;
-                    while k > bottom && unsafe { stack.get_unchecked(k - 1).assume_init().at } < e.at {
-                        unsafe { *stack.get_unchecked_mut(k) = *stack.get_unchecked(k - 1) };
-                        k -= 1;
-                    }
-                    unsafe { stack.get_unchecked_mut(k).write(e) };
-                    depth += 1;
-                };
-                bvh.prefetch(node.child[first]);
-                push(Entry {
+                let mut nearest = Entry {
                     at: entry[first],
                     child: node.child[first],
-                });
+                };
+                let bottom = depth;
                 while mask != 0 {
                     let k = mask.trailing_zeros() as usize & 7;
                     mask &= mask - 1;
-                    bvh.prefetch(node.child[k]);
-                    push(Entry {
+                    let mut later = Entry {
                         at: entry[k],
                         child: node.child[k],
-                    });
+                    };
+                    if later.at < nearest.at {
+                        std::mem::swap(&mut later, &mut nearest);
+                    }
+                    bvh.prefetch(later.child);
+                    // Farthest at the bottom; the depth of the tree bounds the stack (checked when it is built).
+                    let mut k = depth;
+                    while k > bottom && unsafe { stack.get_unchecked(k - 1).assume_init().at } < later.at {
+                        unsafe { *stack.get_unchecked_mut(k) = *stack.get_unchecked(k - 1) };
+                        k -= 1;
+                    }
+                    unsafe { stack.get_unchecked_mut(k).write(later) };
+                    depth += 1;
                 }
+                current = nearest.child;
+                continue;
             }
         }
         loop {
