@@ -1,9 +1,10 @@
-"""A million rays through a closed room of displaced spheres: gonio's hierarchy against Embree in its robust mode.
+"""A million rays through a closed room of displaced spheres: gonio against Embree in its robust mode.
 
-`rays-100k-vs-embree-robust`, `rays-1m-vs-embree-robust`: nearest hits of rays that a diffuse surface scatters, in single
-precision, one thread, CPU seconds, medians of pairs that alternate in one run; `primary` is the same of rays from
-one point. The rays are those that gonio's own program (crates/trace/examples/rays.rs) traces, handed over in files. gonio
-is built as users build it, for any x86-64. Both must lose no ray.
+`rays-100k-vs-embree-robust`, `rays-1m-vs-embree-robust`: nearest hits of rays that a diffuse surface
+scatters, in single precision, one thread, CPU seconds, medians of pairs that alternate in one run;
+`ratio_primary` is the same of rays from one point. The rays are those that gonio's own program
+(crates/trace/examples/rays.rs) traces, handed over in files. gonio is built as users build it, for any
+x86-64. Both must lose no ray.
 """
 
 from __future__ import annotations
