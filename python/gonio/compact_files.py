@@ -215,7 +215,7 @@ def _opened(path: Path) -> Opened:
             }
     except Exception as error:
         # What scipy raises on a file that was cut or overwritten depends on where.
-        raise FormatError(f"{path}: found a damaged netCDF file ({error}), allowed a whole one") from error
+        raise FormatError(f"{path}: found a damaged netCDF file, allowed a whole one") from error
     if attributes.get("format") != COMPACT_FORMAT:
         found = attributes.get("format", "none")
         raise FormatError(f"{path}: format: found {found}, allowed {COMPACT_FORMAT}")

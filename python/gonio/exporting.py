@@ -156,6 +156,7 @@ def export(
         source = read_bsdf(source, channel=channel)
     if to in MODEL_FORMATS:
         sample = None if isinstance(source, Bsdf) else loaded(source)
+        _check_label(to, channel, sample or source, as_visible=as_visible)
         model = (
             source
             if isinstance(source, Bsdf)
@@ -165,8 +166,6 @@ def export(
                 symmetry=symmetry,
                 smooth=smooth,
                 candidate=candidate,
-                # Other formats have no word for light without spread: its peak stays as wide as read.
-                direct=to in RADIANCE_FORMATS,
                 progress=progress,
             )
         )
@@ -177,6 +176,8 @@ def export(
             title = name if name is not None else (sample.sample_name if sample else None) or ""
             file = Target(path=target_path, channel=channel, components=components, title=title)
             report, more = MODEL_WRITERS[to](model, file)
+            if model.has_delta:
+                more = [*more, f"{to} has no word for light that leaves unscattered: it is not in the file"]
             if "reduced" in report:
                 taken = report.pop("channel")
                 report["loss"] = _loss(model, report.pop("reduced"), taken, (("front", "reflection"),))
@@ -302,6 +303,18 @@ def _mean(values: Sequence[float]) -> float:
     """Mean of the finite ones, NaN without any."""
     finite = [v for v in values if math.isfinite(v)]
     return sum(finite) / len(finite) if finite else math.nan
+
+
+def _check_label(to: str, channel: str | None, source: object, *, as_visible: bool) -> None:
+    """Refuse channels that Radiance's files have no word for, before the model is built."""
+    there: Sequence[str] = getattr(source, "channels", ())
+    label = channel if channel is not None else there[0] if len(there) == 1 else None
+    if to in RADIANCE_FORMATS and not as_visible and label in ("red", "green", "blue"):
+        raise QuantityError(
+            f"channel: found {label}, allowed photopic, solar or a wavelength; --as-visible "
+            "(as_visible=True) labels it Visible, which Radiance renders: one file a channel, coloured by "
+            "its material"
+        )
 
 
 def _check_measured(model: Bsdf, components: Sequence[Component]) -> None:

@@ -345,7 +345,11 @@ class Measurement:
         if not directory.exists():
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
         if not directory.is_dir():
-            raise NotADirectoryError(errno.ENOTDIR, "is a file, needed is a measurement directory", str(path))
+            raise NotADirectoryError(
+                errno.ENOTDIR,
+                "is a file, needed is a directory of gonio process; models go to export, reduce or compare",
+                str(path),
+            )
         if not json_path.is_file():
             raise FileNotFoundError(
                 errno.ENOENT, f"is no measurement directory, it holds no {JSON_NAME}", str(path)

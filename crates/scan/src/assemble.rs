@@ -89,23 +89,26 @@ const UNCERTAIN: f64 = 0.05;
 
 /// A warning for the integral that the choice of directions leaves most uncertain.
 fn uncertain_integrals(slices: &[Slice]) -> Option<String> {
-    let all = slices
+    let all: Vec<_> = slices
         .iter()
-        .flat_map(|s| s.integrals.iter().map(move |h| (s, h)));
-    let (slice, h, relative) = all
+        .flat_map(|s| s.integrals.iter().map(move |h| (s, h)))
         .filter(|(_, h)| h.value > 0.0)
         .map(|(s, h)| (s, h, h.u_quadrature / h.value))
-        .max_by(|a, b| a.2.total_cmp(&b.2))?;
-    (relative > UNCERTAIN).then(|| {
-        format!(
-            "{} at {}, {} side: the hemispherical integral {:.4} is uncertain by {:.0} % (k = 1) for want of readings \
+        .filter(|(.., relative)| *relative > UNCERTAIN)
+        .collect();
+    let (slice, h, relative) = all.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let more = match all.len() - 1 {
+        0 => String::new(),
+        n => format!(", and {n} more by above 5 %"),
+    };
+    Some(format!(
+        "{} at {}, {} side: the hemispherical integral {:.4} is uncertain by {:.0} % (k = 1) for want of readings{more} \
              ({:.1} % of it extrapolated); where that is little, a peak holds too few of them: scan it on a finer path",
-            slice.channel,
-            place(slice.incidence),
-            h.side,
-            h.value,
-            100.0 * relative,
-            100.0 * h.extrapolated / h.value
-        )
-    })
+        slice.channel,
+        place(slice.incidence),
+        h.side,
+        h.value,
+        100.0 * relative,
+        100.0 * h.extrapolated / h.value
+    ))
 }

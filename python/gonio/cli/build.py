@@ -57,6 +57,11 @@ def build(
     """
     if target_file is not None:
         check_file(target_file)
+        if target_file.suffix != ".nc":
+            raise typer.BadParameter(
+                f"found {target_file.name}, allowed a name that ends in .nc; gonio export writes others",
+                param_hint="--out",
+            )
     with progress_bar(hidden=json) as progress:
         model = gonio.build(
             measurement,
@@ -103,19 +108,34 @@ def build(
             f"{part['readings']} readings, interpolated by {part['candidate']}{base}"
         )
         for row in model.direct:
-            if (row["side"], row["component"]) == (part["side"], part["component"]):
+            if _of(row, part):
                 out.print(
                     f"  unscattered at {place(row)}: {100 * row['share']:.2f} % of the light "
                     f"(u {100 * row['u_share']:.2f} %)"
                 )
         for row in stated:
-            if (row["side"], row["component"]) == (part["side"], part["component"]):
-                out.print(f"  stated error at {place(row)}: {of_error(row)}")
+            if _of(row, part):
+                out.print(f"  stated error (relative L1) at {place(row)}: {of_error(row)}")
+        noisy = [row for row in stated if row["slice"] > NOISE and _of(row, part)]
+        if noisy and any(_of(row, part) for row in model.direct):
+            out.print(
+                f"  beside the unscattered light there is little above the noise at {len(noisy)} incidences: "
+                "errors of that little, not of the light"
+            )
     for row in model.loo:
         rms = 100 * row["rel_rms"]
         out.print(f"  {row['component']} at {place(row)} predicted from the others: {rms:.2f} % rms")
     if reduction is not None:
         show(reduction)
+
+
+NOISE = 0.5
+"""Relative L1 error from which a slice beside unscattered light holds little but noise."""
+
+
+def _of(row: Mapping[str, Any], part: Mapping[str, Any]) -> bool:
+    """Whether a row is of the side and component of a part."""
+    return (row["side"], row["component"]) == (part["side"], part["component"])
 
 
 def place(row: Mapping[str, Any]) -> str:

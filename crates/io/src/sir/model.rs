@@ -16,6 +16,8 @@ use super::slice::{Lobe, Slice};
 const KEPT_LOBES: usize = 2_000_000;
 /// Cosine of the angle up to which an incidence is a measured one.
 const SAME: f64 = 1.0 - 5e-13;
+/// Cosine of the width of a cell of exit directions, 0.56 degrees: what a file resolves.
+const CELL: f64 = 0.999_952;
 /// Triangles of a mesh without crossings are fewer than this, times the incidences.
 const MOST_TRIANGLES: usize = 64;
 
@@ -270,6 +272,14 @@ impl Interpolant {
         if let Some(k) = self.nodes.iter().position(|n| n.incidence.dot(at) >= SAME) {
             return self.measured[k].clone();
         }
+        let place = self.place(at);
+        if matches!(place, Place::Outside) {
+            // Beside the outermost incidence by less than a cell: a first incidence of 0.001 degrees is the normal.
+            let beside = |k: &usize| self.nodes[*k].incidence.dot(at) >= CELL;
+            if let Some(k) = (0..self.nodes.len()).find(beside) {
+                return self.measured[k].clone();
+            }
+        }
         let key = [at.x.to_bits(), at.y.to_bits()];
         let kept = self.kept.read().unwrap_or_else(PoisonError::into_inner);
         if let Some(slice) = kept.slices.get(&key) {
@@ -277,7 +287,7 @@ impl Interpolant {
         }
         drop(kept);
         let grid = self.frame.grid;
-        let lobes = match self.place(at) {
+        let lobes = match place {
             Place::Inside(t) => inside(&self.nodes, &self.edges, &t, at, grid),
             Place::On(k) => along(&self.nodes, &self.edges[k], at, grid),
             Place::Outside => self.outside(at),

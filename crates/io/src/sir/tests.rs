@@ -122,6 +122,15 @@ fn a_measured_incidence_answers_with_its_own_lobes() {
 }
 
 #[test]
+fn normal_incidence_beside_a_first_incidence_of_a_thousandth_of_a_degree_is_that_incidence() {
+    let model = read(&mirrors(&[0.001, 40.0]));
+    let up = Direction::NORMAL;
+    let first = model.eval_first(Direction::from_degrees(0.001, 180.0), up);
+    assert!(first > 1.0);
+    assert!((model.eval_first(up, up) / first - 1.0).abs() < 1e-3);
+}
+
+#[test]
 fn a_lobe_moves_with_the_incidence_and_keeps_its_light() {
     let model = read(&mirrors(&[10.0, 40.0, 60.0]));
     for theta in [17.0, 25.0, 33.0, 48.0, 55.0] {
