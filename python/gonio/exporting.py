@@ -176,7 +176,7 @@ def export(
             title = name if name is not None else (sample.sample_name if sample else None) or ""
             file = Target(path=target_path, channel=channel, components=components, title=title)
             report, more = MODEL_WRITERS[to](model, file)
-            if model.has_delta:
+            if model.has_delta and not any("left out" in note for note in more):
                 more = [*more, f"{to} has no word for light that leaves unscattered: it is not in the file"]
             if "reduced" in report:
                 taken = report.pop("channel")
