@@ -17,7 +17,7 @@ use gonio_bsdf::RadianceMaterial;
 
 use crate::IoError;
 
-pub use read::{read, read_from};
+pub use read::{read, read_from, scan};
 pub use write::{to_text, write};
 
 /// The modifier of an item that has none.
@@ -49,6 +49,24 @@ pub struct Item {
     pub body: Body,
     /// Line of its first word, counted from 1; 0 for an item that was not read from a file.
     pub line: u64,
+}
+
+/// What stands in scene text.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "handed on one at a time, nearly all are items"
+)]
+pub enum Found {
+    /// An item.
+    Item(Item),
+    /// A line that starts with `!`.
+    Command {
+        /// The line, the `!` included.
+        text: String,
+        /// Its line, counted from 1.
+        line: u64,
+    },
 }
 
 /// What an item is.

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use gonio_bsdf::{BsdfError, RadianceMaterial};
 
 use super::words::{Next, Word, Words};
-use super::{ALIAS, Body, Item, OTHER_TYPES};
+use super::{ALIAS, Body, Found, Item, OTHER_TYPES};
 use crate::IoError;
 use crate::error::{excerpt, read_bytes};
 
@@ -25,23 +25,47 @@ pub fn read(path: &Path) -> Result<Vec<Item>, IoError> {
 /// # Errors
 /// [`IoError::Format`] as for [`read`].
 pub fn read_from(path: &Path, bytes: &[u8]) -> Result<Vec<Item>, IoError> {
+    let mut items = Vec::new();
+    scan(path, bytes, |found| match found {
+        Found::Item(item) => {
+            items.push(item);
+            Ok(())
+        }
+        Found::Command { text, line } => Err(IoError::format(
+            path,
+            line,
+            "command",
+            excerpt(text.as_bytes()),
+            "no line that starts with !: commands are not run; run it yourself and read what it prints",
+        )),
+    })?;
+    Ok(items)
+}
+
+/// Hands every item and command of scene text to `on`, in order, and stops at its first error. Nothing is run.
+///
+/// # Errors
+/// [`IoError::Format`] as for [`read`], commands apart, and what `on` returns.
+pub fn scan<E: From<IoError>>(
+    path: &Path,
+    bytes: &[u8],
+    mut on: impl FnMut(Found) -> Result<(), E>,
+) -> Result<(), E> {
     let mut reader = Reader {
         path,
         words: Words::new(bytes),
     };
-    let mut items = Vec::new();
     loop {
         match reader.words.next() {
-            Next::End => return Ok(items),
+            Next::End => return Ok(()),
             Next::Command => {
-                return Err(reader.fault(
-                    reader.words.line(),
-                    "command",
-                    excerpt(reader.words.rest_of_line()),
-                    "no line that starts with !: commands are not run; run it yourself and read what it prints",
-                ));
+                let line = reader.words.line();
+                let text = reader.words.command();
+                let text = String::from_utf8(text)
+                    .map_err(|e| reader.fault(line, "command", excerpt(e.as_bytes()), "UTF-8 text"))?;
+                on(Found::Command { text, line })?;
             }
-            Next::Item => items.push(reader.item()?),
+            Next::Item => on(Found::Item(reader.item()?))?,
         }
     }
 }

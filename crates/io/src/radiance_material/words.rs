@@ -42,14 +42,20 @@ impl<'a> Words<'a> {
         self.line
     }
 
-    /// The text from the place reached to the end of its line.
-    pub(super) fn rest_of_line(&self) -> &'a [u8] {
-        let rest = &self.bytes[self.at..];
-        let end = rest
-            .iter()
-            .position(|&b| b == b'\n' || b == b'\r')
-            .unwrap_or(rest.len());
-        &rest[..end]
+    /// The line from the place reached, without its end; a backslash before the end of a line joins the next one to it.
+    pub(super) fn command(&mut self) -> Vec<u8> {
+        let mut text = Vec::new();
+        while let Some(b) = self.take() {
+            match b {
+                b'\n' if text.last() == Some(&b'\\') => {
+                    text.pop();
+                }
+                b'\n' => break,
+                b'\r' => {}
+                _ => text.push(b),
+            }
+        }
+        text
     }
 
     fn peek(&self) -> Option<u8> {
