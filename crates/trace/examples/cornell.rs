@@ -64,11 +64,13 @@ fn main() {
         parts.surfaces.push(Surface {
             material,
             light: None,
+            ..Surface::default()
         });
     }
     parts.surfaces.push(Surface {
         material: 3,
         light: Some(0),
+        ..Surface::default()
     });
     quad(
         &mut parts,

@@ -5,6 +5,7 @@ pub mod camera;
 pub mod light;
 pub mod material;
 pub mod path;
+pub mod pattern;
 pub mod render;
 pub mod sampler;
 pub mod scene;

@@ -57,6 +57,8 @@ pub(crate) struct Local<'a> {
     /// Towards the eye, in the frame.
     to_eye: Direction,
     to_eye_local: Vec3,
+    /// The factor of a pattern, and the part of the material without it.
+    paint: Option<(Vec3, Option<&'a dyn Bsdf>)>,
 }
 
 impl<'a> Local<'a> {
@@ -77,6 +79,27 @@ impl<'a> Local<'a> {
             frame,
             to_eye,
             to_eye_local,
+            paint: None,
+        }
+    }
+
+    /// With a factor on all of the material but `bare`.
+    pub(crate) fn painted(mut self, factor: Vec3, bare: Option<&'a dyn Bsdf>) -> Self {
+        self.paint = Some((factor, bare));
+        self
+    }
+
+    /// A value of the material, which `bare` gives of the part without the pattern.
+    #[inline(always)]
+    fn coloured(&self, value: Vec3, bare: impl FnOnce(&dyn Bsdf) -> Vec3) -> Vec3 {
+        match self.paint {
+            None => value,
+            Some((factor, None)) => factor * value,
+            Some((factor, Some(model))) => {
+                let bare = bare(model);
+                // The pattern may be black where the difference is all rounding.
+                bare + factor * (value - bare).max(Vec3::ZERO)
+            }
         }
     }
 
@@ -91,11 +114,13 @@ impl<'a> Local<'a> {
                     return (Vec3::ZERO, 0.0);
                 }
                 let pdf = cos.abs() * std::f32::consts::FRAC_1_PI;
-                (*reflectance * pdf, pdf)
+                (self.coloured(*reflectance * pdf, |_| Vec3::ZERO), pdf)
             }
             Material::Model { model, .. } => {
                 let wi = self.frame.direction(from);
-                let f = rgb(model.as_ref(), |f| model.eval(wi, self.to_eye, f));
+                let f = self.coloured(rgb(model.as_ref(), |f| model.eval(wi, self.to_eye, f)), |bare| {
+                    rgb(bare, |f| bare.eval(wi, self.to_eye, f))
+                });
                 let pdf = model.pdf(self.to_eye, wi) as f32;
                 (f * wi.cos_theta().abs() as f32, pdf)
             }
@@ -113,7 +138,7 @@ impl<'a> Local<'a> {
                 let pdf = local.z.abs() * std::f32::consts::FRAC_1_PI;
                 (pdf > 0.0).then(|| Drawn {
                     direction: self.frame.world(local),
-                    weight: *reflectance,
+                    weight: self.coloured(*reflectance, |_| Vec3::ZERO),
                     pdf,
                 })
             }
@@ -124,7 +149,10 @@ impl<'a> Local<'a> {
                 }
                 let direction = self.frame.vector(drawn.direction);
                 let pdf = drawn.pdf as f32;
-                let f = rgb(model.as_ref(), |f| model.eval(drawn.direction, self.to_eye, f));
+                let f = self.coloured(
+                    rgb(model.as_ref(), |f| model.eval(drawn.direction, self.to_eye, f)),
+                    |bare| rgb(bare, |f| bare.eval(drawn.direction, self.to_eye, f)),
+                );
                 let weight = f * (drawn.direction.cos_theta().abs() / drawn.pdf) as f32;
                 Some(Drawn {
                     direction,
@@ -151,6 +179,11 @@ impl<'a> Local<'a> {
             } => [Component::Reflection, Component::Transmission].map(|component| {
                 let mut to = None;
                 let share = rgb(model.as_ref(), |s| to = model.delta(self.to_eye, component, s));
+                let share = self.coloured(share, |bare| {
+                    rgb(bare, |s| {
+                        bare.delta(self.to_eye, component, s);
+                    })
+                });
                 let to = to.filter(|_| share.max_element() > 0.0)?;
                 if to.vec().dot(self.to_eye.vec()) < -1.0 + 1e-9 {
                     return Some(Unscattered::straight(-self.frame.world(self.to_eye_local), share));

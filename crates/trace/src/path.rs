@@ -61,9 +61,12 @@ impl Scene {
                 return sum + left * self.at_infinity(direction, came);
             };
             sum += left * self.emitted(&met, direction, came);
-            let surface = self.parts.surfaces[met.surface as usize];
-            let material = &self.parts.materials[surface.material as usize];
-            let local = Local::new(material, met.normal, -direction);
+            let concealed = self.parts.surfaces[met.surface as usize].concealed;
+            if concealed && matches!(came, Origin::Drawn { .. }) && met.normal.dot(direction) < 0.0 {
+                // The light stands for all that comes through.
+                return sum;
+            }
+            let local = self.local(&met, -direction);
             if bounces >= limits.bounces || panes >= crate::scene::MOST_PANES {
                 return sum;
             }
@@ -113,13 +116,15 @@ impl Scene {
     /// What a surface emits towards the ray, as far as no other way to draw it counts.
     #[inline(always)]
     fn emitted(&self, met: &Meeting, direction: Vec3, came: Origin) -> Vec3 {
-        let Some(k) = self.parts.surfaces[met.surface as usize].light else {
-            return Vec3::ZERO;
-        };
+        let surface = &self.parts.surfaces[met.surface as usize];
+        let alone = matches!(came, Origin::Alone);
         let cos = -met.normal.dot(direction);
-        if cos <= 0.0 {
+        if cos <= 0.0 || (alone && surface.concealed) {
             return Vec3::ZERO;
         }
+        let Some(k) = surface.light else {
+            return if alone { surface.glow } else { Vec3::ZERO };
+        };
         let light = self.lights.get(k);
         let weight = match came {
             Origin::Alone => 1.0,
@@ -131,7 +136,7 @@ impl Scene {
                 )
             }
         };
-        weight * light.radiance()
+        weight * self.emission(k, met.point, met.normal, direction)
     }
 
     /// What comes from beyond everything.
@@ -169,27 +174,44 @@ impl Scene {
             && let Some(mut towards) = self.lights.get(k).sample(met.point, v)
         {
             towards.pdf *= chance;
-            sum += self.arriving(met, local, &towards);
+            if self
+                .parts
+                .light_patterns
+                .get(k as usize)
+                .is_some_and(Option::is_some)
+            {
+                let point = met.point + towards.distance * towards.direction;
+                let normal = self.lights.get(k).normal(point);
+                towards.radiance = self.emission(k, point, normal, towards.direction);
+            }
+            sum += self.arriving(met, local, &towards, false);
         }
         if let Some(sky) = &self.parts.sky {
             // The same numbers, turned: the sky and the lights are two integrals.
             let v = [(v[0] + 0.5).fract(), (v[1] + u).fract()];
-            sum += self.arriving(met, local, &sky.sample(v));
+            sum += self.arriving(met, local, &sky.sample(v), true);
         }
         sum
     }
 
     #[inline(always)]
-    fn arriving(&self, met: &Meeting, local: &Local<'_>, towards: &Towards) -> Vec3 {
+    fn arriving(&self, met: &Meeting, local: &Local<'_>, towards: &Towards, from_sky: bool) -> Vec3 {
         let (f, pdf) = local.eval(towards.direction);
         if f == Vec3::ZERO || towards.pdf <= 0.0 || towards.radiance == Vec3::ZERO {
             return Vec3::ZERO;
         }
         let pdf = self.with_portals(met.point, towards.direction, pdf);
         let origin = self.off(met, towards.direction);
-        // Short of the light itself, by what its place and the point are rounded.
-        let far = towards.distance * (1.0 - 1e-4);
-        match self.passes(origin, towards.direction, far) {
+        let (mut direction, mut far) = (towards.direction, towards.distance);
+        if far.is_finite() {
+            // From where the ray begins: moved along with it, its end could lie beyond the light.
+            let way = met.point + far * direction - origin;
+            far = way.length();
+            direction = way / far;
+            // Short of the light itself, by what its place and the point are rounded.
+            far *= 1.0 - 1e-4;
+        }
+        match self.passes(origin, direction, far, from_sky) {
             Some(left) => f * left * towards.radiance * (balance(towards.pdf, pdf) / towards.pdf),
             None => Vec3::ZERO,
         }

@@ -1,5 +1,7 @@
 //! What is rendered.
 
+use std::sync::Arc;
+
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -9,16 +11,24 @@ use obvhs::{Boundable, BvhBuildParams};
 
 use crate::bvh::{Bvh, Ray, Triangles};
 use crate::light::{Light, Lights, Sky};
-use crate::material::Material;
+use crate::material::{Local, Material};
+use crate::pattern::{Paint, Pattern};
 use crate::shape::Shape;
 
 /// How a surface looks and what it emits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Index of its material.
     pub material: u32,
     /// Index of the light that it is.
     pub light: Option<u32>,
+    /// Index of the pattern on its material.
+    pub paint: Option<u32>,
+    /// Whether the eye sees the material only while the light lights everything else: RADIANCE's `illum`. What lies behind
+    /// it at infinity then lights nothing through its front: the light stands for it.
+    pub concealed: bool,
+    /// What the eye sees of its front beyond that, W/(m2 sr), without that it lights anything.
+    pub glow: Vec3,
 }
 
 /// The parts of a scene.
@@ -36,8 +46,12 @@ pub struct Parts {
     pub surfaces: Vec<Surface>,
     /// All materials.
     pub materials: Vec<Material>,
+    /// Patterns on materials.
+    pub paints: Vec<Paint>,
     /// All lights.
     pub lights: Vec<Light>,
+    /// Patterns by light, where it has one; may be shorter than the lights. Those at infinity have none.
+    pub light_patterns: Vec<Option<Arc<dyn Pattern>>>,
     /// What lies at infinity.
     pub sky: Option<Sky>,
     /// Openings through which light comes in: parallelograms by a corner and two edges.
@@ -198,7 +212,13 @@ impl Scene {
 
     /// Whether nothing that stops light lies on the way; light that comes straight through takes its colour.
     #[inline(always)]
-    pub(crate) fn passes(&self, origin: Vec3, direction: Vec3, distance: f32) -> Option<Vec3> {
+    pub(crate) fn passes(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        from_sky: bool,
+    ) -> Option<Vec3> {
         if self.opaque {
             let ray = Ray {
                 t_max: distance,
@@ -213,6 +233,12 @@ impl Scene {
             let Some(met) = self.meet(from, direction, far) else {
                 return Some(left);
             };
+            if from_sky
+                && self.parts.surfaces[met.surface as usize].concealed
+                && met.normal.dot(direction) < 0.0
+            {
+                return None;
+            }
             left *= self.straight(&met, -direction);
             if left == Vec3::ZERO {
                 return None;
@@ -225,10 +251,37 @@ impl Scene {
 
     /// The share of light that comes straight through a surface towards `to_eye`.
     fn straight(&self, met: &Meeting, to_eye: Vec3) -> Vec3 {
-        let surface = self.parts.surfaces[met.surface as usize];
-        let material = &self.parts.materials[surface.material as usize];
-        let [_, through] = crate::material::Local::new(material, met.normal, to_eye).ideal();
+        let [_, through] = self.local(met, to_eye).ideal();
         through.filter(|w| w.straight).map_or(Vec3::ZERO, |w| w.share)
+    }
+
+    /// The material where a ray met it, seen from `to_eye`.
+    #[inline(always)]
+    pub(crate) fn local(&self, met: &Meeting, to_eye: Vec3) -> Local<'_> {
+        let surface = &self.parts.surfaces[met.surface as usize];
+        let local = Local::new(
+            &self.parts.materials[surface.material as usize],
+            met.normal,
+            to_eye,
+        );
+        match surface.paint {
+            None => local,
+            Some(k) => {
+                let paint = &self.parts.paints[k as usize];
+                let factor = paint.pattern.multiplier(met.point, met.normal, -to_eye);
+                local.painted(factor, paint.bare.as_deref())
+            }
+        }
+    }
+
+    /// What a light emits at a point of it against a ray.
+    #[inline(always)]
+    pub(crate) fn emission(&self, k: u32, point: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+        let radiance = self.lights.get(k).radiance();
+        match self.parts.light_patterns.get(k as usize) {
+            Some(Some(pattern)) => radiance * pattern.multiplier(point, normal, direction),
+            _ => radiance,
+        }
     }
 
     /// The point, moved off its surface to the side that `direction` goes to.
@@ -295,6 +348,11 @@ fn check(parts: &Parts) -> Result<(), SceneError> {
         "surfaces.material",
         &mut parts.surfaces.iter().map(|s| s.material),
         parts.materials.len(),
+    )?;
+    below(
+        "surfaces.paint",
+        &mut parts.surfaces.iter().filter_map(|s| s.paint),
+        parts.paints.len(),
     )?;
     below(
         "surfaces.light",

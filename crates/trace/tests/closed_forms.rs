@@ -79,6 +79,7 @@ fn in_a_closed_furnace_radiance_is_emission_over_one_less_reflectance() {
             surfaces: vec![Surface {
                 material: 0,
                 light: None,
+                ..Surface::default()
             }],
             materials: vec![grey(rho)],
             lights: vec![Light::Ball(
@@ -125,10 +126,12 @@ fn a_square_light_and_a_luminous_sphere_give_their_irradiance() {
             Surface {
                 material: 0,
                 light: None,
+                ..Surface::default()
             },
             Surface {
                 material: 1,
                 light: Some(0),
+                ..Surface::default()
             },
         ],
         materials: vec![grey(0.5), Material::Black],
@@ -161,10 +164,12 @@ fn a_square_light_and_a_luminous_sphere_give_their_irradiance() {
             Surface {
                 material: 0,
                 light: None,
+                ..Surface::default()
             },
             Surface {
                 material: 1,
                 light: Some(0),
+                ..Surface::default()
             },
         ],
         materials: vec![grey(0.5), Material::Black],
@@ -187,6 +192,7 @@ fn sun_and_sky_light_the_ground() {
         surfaces: vec![Surface {
             material: 0,
             light: None,
+            ..Surface::default()
         }],
         materials: vec![grey(0.4)],
         sky: Some(Sky::new(Arc::new(|d: Vec3| {
@@ -231,6 +237,7 @@ fn light_through_a_pane_of_glass_is_that_without_it_times_its_transmittance() {
                 .map(|k| Surface {
                     material: k,
                     light: (k == 1).then_some(0),
+                    ..Surface::default()
                 })
                 .collect(),
             materials: vec![grey(0.5), Material::Black, Material::model(model.clone(), None)],

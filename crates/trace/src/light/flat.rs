@@ -45,6 +45,10 @@ impl Flat {
         })
     }
 
+    pub(super) fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
     #[inline(always)]
     pub(super) fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<Towards> {
         let point = match self.parallelogram {

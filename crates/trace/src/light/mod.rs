@@ -67,7 +67,16 @@ impl Light {
         }
     }
 
-    /// Its radiance, W/(m2 sr).
+    /// Unit normal of its front at a point of it; zero at infinity.
+    pub(crate) fn normal(&self, point: Vec3) -> Vec3 {
+        match self {
+            Light::Flat(light) => light.normal(),
+            Light::Ball(light) => light.normal(point),
+            Light::Distant(_) => Vec3::ZERO,
+        }
+    }
+
+    /// Its radiance without pattern, W/(m2 sr).
     #[inline]
     pub fn radiance(&self) -> Vec3 {
         match self {

@@ -24,6 +24,10 @@ impl Ball {
         })
     }
 
+    pub(super) fn normal(&self, point: Vec3) -> Vec3 {
+        (point - self.centre).normalize_or_zero()
+    }
+
     /// One less the cosine of half the angle under which it is seen; `None` from inside.
     fn one_minus_cos(&self, from: Vec3) -> Option<f32> {
         let sin2 = self.radius * self.radius / from.distance_squared(self.centre);
