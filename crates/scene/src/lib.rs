@@ -1,5 +1,12 @@
 //! Scenes as lighting engineers write them, and what `gonio_trace` renders of them.
 
+pub mod assemble;
 pub mod cal;
+pub mod error;
 pub mod generate;
+pub mod mesh;
 pub mod text;
+pub mod view;
+
+pub use assemble::{Loaded, read};
+pub use error::{Place, SceneError, Warning};

@@ -1,0 +1,109 @@
+//! PLY: corners `x y z` and faces `vertex_index` or `vertex_indices`.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use glam::DVec3;
+use gonio_io::IoError;
+use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::ply::{DefaultElement, Property, PropertyAccess, PropertyAccessResult};
+
+use super::{Mesh, fault};
+
+struct Corner(DVec3);
+
+impl PropertyAccess for Corner {
+    fn new() -> Self {
+        // A coordinate that is missing shows as one that is not finite.
+        Corner(DVec3::NAN)
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let k = match name {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            _ => return PropertyAccessResult::Ignored,
+        };
+        self.0[k] = match property {
+            Property::Float(v) => v.into(),
+            Property::Double(v) => v,
+            Property::Char(v) => v.into(),
+            Property::UChar(v) => v.into(),
+            Property::Short(v) => v.into(),
+            Property::UShort(v) => v.into(),
+            Property::Int(v) => v.into(),
+            Property::UInt(v) => v.into(),
+            _ => return PropertyAccessResult::Ignored,
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+/// Corners of a face; `u32::MAX` for one that cannot be.
+struct Face(Vec<u32>);
+
+impl PropertyAccess for Face {
+    fn new() -> Self {
+        Face(Vec::new())
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if name != "vertex_index" && name != "vertex_indices" {
+            return PropertyAccessResult::Ignored;
+        }
+        fn wide<T: TryInto<u32>>(list: Vec<T>) -> Vec<u32> {
+            list.into_iter()
+                .map(|k| k.try_into().unwrap_or(u32::MAX))
+                .collect()
+        }
+        self.0 = match property {
+            Property::ListChar(v) => wide(v),
+            Property::ListUChar(v) => wide(v),
+            Property::ListShort(v) => wide(v),
+            Property::ListUShort(v) => wide(v),
+            Property::ListInt(v) => wide(v),
+            Property::ListUInt(v) => v,
+            _ => return PropertyAccessResult::Ignored,
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+pub(super) fn read(path: &Path) -> Result<Mesh, IoError> {
+    let file = File::open(path).map_err(|e| IoError::file(path, e))?;
+    let wrong = |e: &dyn std::fmt::Display| fault(path, "PLY", e.to_string(), "a PLY file");
+    let mut reader = Reader::new(BufReader::new(file));
+    let corners = Parser::<Corner>::new();
+    let header = corners.read_header(&mut reader).map_err(|e| wrong(&e))?;
+    let mut mesh = Mesh::default();
+    for (_, element) in &header.elements {
+        match element.name.as_str() {
+            "vertex" => {
+                let all = corners
+                    .read_payload_for_element(&mut reader, element, &header)
+                    .map_err(|e| wrong(&e))?;
+                mesh.points = all.into_iter().map(|c| c.0).collect();
+            }
+            "face" => {
+                let faces = Parser::<Face>::new()
+                    .read_payload_for_element(&mut reader, element, &header)
+                    .map_err(|e| wrong(&e))?;
+                for face in &faces {
+                    if face.0.len() < 3 {
+                        let found = format!("a face of {} corners", face.0.len());
+                        return Err(fault(path, "vertex_indices", found, "three corners or more"));
+                    }
+                    mesh.polygon(&face.0);
+                }
+            }
+            _ => {
+                Parser::<DefaultElement>::new()
+                    .read_payload_for_element(&mut reader, element, &header)
+                    .map_err(|e| wrong(&e))?;
+            }
+        }
+    }
+    Ok(mesh)
+}
