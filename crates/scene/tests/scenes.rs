@@ -420,6 +420,98 @@ fn the_cornell_box_has_the_mean_radiance_that_rpict_finds() {
     }
 }
 
+#[test]
+fn patterns_colour_what_they_touch_and_follow_their_transform() {
+    // Stripes along x, scaled by two and shifted by one.
+    let cal = "stripes = if(frac(Px) - .5, A1, A2);";
+    let text = "void brightfunc s 8 stripes s.cal -s 2 -t 1 0 0 0 2 .8 .2\n\
+                s glow g 0 0 4 1 2 3 0\ng polygon p 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
+    let scene = Scene::new(load_with(text, &[("s.cal", cal)]).unwrap().parts).unwrap();
+    let seen = |x: f32| {
+        let mut sampler = Sampler::new(1, 0, 0);
+        scene.radiance(Vec3::new(x, 0.0, 1.0), -Vec3::Z, &Limits::default(), &mut sampler)
+    };
+    for (x, factor) in [(1.5, 0.2), (2.5, 0.8), (3.5, 0.2), (4.5, 0.8)] {
+        assert!(
+            seen(x).distance(factor * Vec3::new(1.0, 2.0, 3.0)) < 1e-5,
+            "{x} {}",
+            seen(x)
+        );
+    }
+    for (text, wanted) in [
+        (
+            "void brightfunc s 2 Px+ . 0 0\ns glow g 0 0 4 1 1 1 0\ng sphere p 0 0 4 0 0 0 1",
+            "a.rad, line 1: function",
+        ),
+        (
+            "void brightfunc s 2 A1 . 0 0\ns glow g 0 0 4 1 1 1 0\ng sphere p 0 0 4 0 0 0 1",
+            "a.rad, line 1: function",
+        ),
+        (
+            "void brightfunc s 2 Px no.cal 0 0\ns glow g 0 0 4 1 1 1 0\ng sphere p 0 0 4 0 0 0 1",
+            "a.rad, line 1: file",
+        ),
+    ] {
+        let e = load(text).err().unwrap();
+        assert!(e.starts_with(wanted), "{e}");
+    }
+}
+
+#[test]
+fn a_pattern_colours_the_body_of_plastic_and_all_of_metal() {
+    // Under an even sky of radiance 1 what is seen is the albedo.
+    let seen = |material: &str| {
+        let text = format!(
+            "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\nvoid colorfunc c 4 1 .5 0 . 0 0\n\
+             c {material}\nm ring f 0 0 8 0 0 0 0 0 1 0 5\n"
+        );
+        look(&text, Vec3::new(0.0, 0.0, 1.0), Vec3::ZERO)
+    };
+    close(seen("plastic m 0 0 5 .8 .8 .8 0 0"), Vec3::new(0.8, 0.4, 0.0));
+    let glossy = "plastic m 0 0 5 .8 .8 .8 .1 .1";
+    let (found, error) = seen(glossy);
+    // The gloss of specularity .1 is the same in all channels, the body takes the pattern.
+    let body = 0.8 * 0.9;
+    let gloss = found.z;
+    assert!(gloss > 0.05 && gloss < 0.11, "{gloss}");
+    close((found - gloss, 2.0 * error), Vec3::new(body, 0.5 * body, 0.0));
+    let (metal, _) = seen("metal m 0 0 5 .8 .8 .8 .5 .1");
+    assert!(
+        metal.z == 0.0 && (metal.x / metal.y - 2.0).abs() < 0.01,
+        "{metal}"
+    );
+}
+
+#[test]
+fn the_sky_of_a_pattern_lights_by_its_luminance() {
+    // Radiance max(Dz, 0): irradiance 2 pi / 3; a floor of reflectance .5 shows a third.
+    let text = "void brightfunc up 2 if(Dz,Dz,0) . 0 0\nup glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n\
+                void plastic white 0 0 5 .5 .5 .5 0 0\nwhite ring f 0 0 8 0 0 0 0 0 1 0 5\n";
+    close(look(text, Vec3::Z, Vec3::ZERO), Vec3::splat(1.0 / 3.0));
+}
+
+#[test]
+fn data_patterns_shape_the_light_of_a_lamp() {
+    // Brightness by the angle from straight down in degrees: 1 at 0, 0 at 90.
+    let data = "1\n0 90 2\n1 0\n";
+    let cal = "twice(v) = 2*v; down = acos(-Dz)*180/PI;";
+    let main = format!(
+        "{FLOOR}void brightdata d 4 twice lamp.dat lamp.cal 180-down 0 0\nd light l 0 0 3 8 8 8\n\
+         l ring s 0 0 8 0 0 4 0 0 -1 0 .01\n"
+    );
+    let parts = load_with(&main, &[("lamp.dat", data), ("lamp.cal", cal)])
+        .unwrap()
+        .parts;
+    let scene = Scene::new(parts).unwrap();
+    let seen = |from: Vec3| {
+        let mut sampler = Sampler::new(1, 0, 0);
+        let to = (Vec3::new(0.0, 0.0, 4.0) - from).normalize();
+        scene.radiance(from, to, &Limits::default(), &mut sampler).x
+    };
+    assert!((seen(EYE) - 16.0).abs() < 0.1);
+    assert!((seen(Vec3::new(1.0, 0.0, 3.0)) - 8.0).abs() < 0.1);
+}
+
 /// Words from which damaged scenes are made.
 const WORDS: [&str; 40] = [
     "void",

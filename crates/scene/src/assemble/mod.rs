@@ -1,6 +1,7 @@
 //! Items become what `gonio_trace` renders.
 
 mod bsdf;
+mod grid;
 mod light;
 mod material;
 mod mesh;
