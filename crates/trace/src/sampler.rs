@@ -61,8 +61,8 @@ impl Sampler {
     }
 }
 
-/// Pairs of dimensions of Sobol points, before random numbers begin: the pixel and two scatterings.
-const EVEN_PAIRS: u32 = 7;
+/// Pairs of dimensions of Sobol points, before random numbers begin: the pixel and the first scattering.
+const EVEN_PAIRS: u32 = 4;
 
 /// The second Sobol dimension before its bits are reversed: bit `i` is the sum of the bits of all indices that hold those
 /// of `i`, by Pascal's triangle modulo 2 [Sobol1967].
@@ -121,10 +121,10 @@ mod tests {
     #[test]
     fn every_pair_of_dimensions_has_one_point_in_every_elementary_cell() {
         for pixel in [0, 7] {
-            let mut cells = vec![[0_u32; 256]; 9 * 5];
+            let mut cells = vec![[0_u32; 256]; 9 * EVEN_PAIRS as usize];
             for index in 0..256 {
                 let mut s = Sampler::new(3, pixel, index);
-                for pair in 0..5 {
+                for pair in 0..EVEN_PAIRS as usize {
                     let [x, y] = s.two();
                     for split in 0..9 {
                         let (nx, ny) = (1 << split, 256 >> split);

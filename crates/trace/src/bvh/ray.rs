@@ -66,19 +66,10 @@ const SLACK: f32 = 4.0 * f32::EPSILON;
 
 impl Prepared {
     /// For boxes with coordinates up to `extent`.
+    #[inline(always)]
     pub(super) fn new(ray: &Ray, extent: f32) -> Self {
-        let inverse = ray.direction.map(|d| {
-            let d = if d.abs() < SMALLEST {
-                SMALLEST.copysign(d)
-            } else {
-                d
-            };
-            1.0 / d
-        });
-        let d = ray.direction;
-        let origin = ray.origin;
-        let slack = SLACK * (extent + origin.iter().fold(0.0, |m: f32, x| m.max(x.abs())));
-        let size = d.map(f32::abs);
+        let [x, y, z] = ray.direction;
+        let size = [x.abs(), y.abs(), z.abs()];
         let along = if size[0] > size[1] && size[0] > size[2] {
             0
         } else if size[1] > size[2] {
@@ -86,19 +77,41 @@ impl Prepared {
         } else {
             2
         };
-        let mut across = [(along + 1) % 3, (along + 2) % 3];
-        if d[along] < 0.0 {
-            across.swap(0, 1);
+        const NEXT: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
+        let [mut first, mut second] = NEXT[along];
+        if ray.direction[along] < 0.0 {
+            (first, second) = (second, first);
         }
+        let largest = ray.origin[0]
+            .abs()
+            .max(ray.origin[1].abs())
+            .max(ray.origin[2].abs());
+        let slack = SLACK * (extent + largest);
+        let (mut inverse, mut near, mut from) = ([0.0; 3], [0; 3], [ray.origin; 2]);
+        for axis in 0..3 {
+            let d = ray.direction[axis];
+            let back = d < 0.0;
+            inverse[axis] = 1.0
+                / if size[axis] < SMALLEST {
+                    SMALLEST.copysign(d)
+                } else {
+                    d
+                };
+            near[axis] = if back { axis + 3 } else { axis };
+            let aside = if back { -slack } else { slack };
+            from[0][axis] += aside;
+            from[1][axis] -= aside;
+        }
+        // A zero of either sign is in front: its near plane is the lower one.
+        let steep = inverse[along];
         Prepared {
             origin: ray.origin,
             along,
-            across,
-            shear: [d[across[0]] / d[along], d[across[1]] / d[along], 1.0 / d[along]],
-            inverse,
-            from: [slack, -slack]
-                .map(|s| std::array::from_fn(|a| origin[a] + s.copysign(inverse[a]) * s.signum())),
-            near: std::array::from_fn(|a| if inverse[a] < 0.0 { a + 3 } else { a }),
+            across: [first, second],
+            shear: [ray.direction[first] * steep, ray.direction[second] * steep, steep],
+            inverse: std::array::from_fn(|a| if near[a] < 3 { inverse[a].abs() } else { inverse[a] }),
+            from,
+            near,
             t_min: ray.t_min,
         }
     }
