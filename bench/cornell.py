@@ -37,7 +37,7 @@ scene = {
     "sensor": {
         "type": "perspective",
         "fov": 39,
-        "to_world": mi.ScalarTransform4f().look_at(origin=[0.5, -1.35, 0.5], target=[0.5, 0, 0.5], up=[0, 0, 1]),
+        "to_world": mi.ScalarTransform4f().look_at([0.5, -1.35, 0.5], [0.5, 0, 0.5], [0, 0, 1]),
         "film": {"type": "hdrfilm", "width": 256, "height": 256, "rfilter": {"type": "box"}},
         "sampler": {"type": "independent"},
     },

@@ -1,4 +1,4 @@
-//! The tests by AVX2 and FMA: eight boxes, or four triangles, at once.
+//! The tests by AVX2 and FMA: eight boxes, or eight triangles, at once.
 
 use std::arch::x86_64::*;
 
@@ -8,9 +8,9 @@ use super::ray::Prepared;
 /// Processors with AVX2 and FMA.
 pub(super) struct Avx2;
 
-type M = __m128;
+type M = __m256;
 
-/// The corners of four triangles in the frame of the ray, one coordinate.
+/// The corners of eight triangles in the frame of the ray, one coordinate.
 #[derive(Clone, Copy)]
 struct Corner {
     x: M,
@@ -23,15 +23,15 @@ impl Corner {
     unsafe fn new(rows: &[[f32; PACKET]; 3], ray: &Prepared) -> Corner {
         unsafe {
             let at = |axis: usize| {
-                _mm_sub_ps(
-                    _mm_load_ps(rows.get_unchecked(axis).as_ptr()),
-                    _mm_set1_ps(*ray.origin.get_unchecked(axis)),
+                _mm256_sub_ps(
+                    _mm256_load_ps(rows.get_unchecked(axis).as_ptr()),
+                    _mm256_set1_ps(*ray.origin.get_unchecked(axis)),
                 )
             };
             let z = at(ray.along);
             Corner {
-                x: _mm_fnmadd_ps(_mm_set1_ps(ray.shear[0]), z, at(ray.across[0])),
-                y: _mm_fnmadd_ps(_mm_set1_ps(ray.shear[1]), z, at(ray.across[1])),
+                x: _mm256_fnmadd_ps(_mm256_set1_ps(ray.shear[0]), z, at(ray.across[0])),
+                y: _mm256_fnmadd_ps(_mm256_set1_ps(ray.shear[1]), z, at(ray.across[1])),
                 z,
             }
         }
@@ -42,9 +42,9 @@ impl Corner {
     #[inline(always)]
     unsafe fn edge(self, other: Corner) -> M {
         unsafe {
-            let w = _mm_mul_ps(self.y, other.x);
-            let lost = _mm_fnmadd_ps(self.y, other.x, w);
-            _mm_add_ps(_mm_fmsub_ps(self.x, other.y, w), lost)
+            let w = _mm256_mul_ps(self.y, other.x);
+            let lost = _mm256_fnmadd_ps(self.y, other.x, w);
+            _mm256_add_ps(_mm256_fmsub_ps(self.x, other.y, w), lost)
         }
     }
 }
@@ -90,29 +90,32 @@ impl Tests for Avx2 {
             let b = Corner::new(&packet.vertices[1], ray);
             let c = Corner::new(&packet.vertices[2], ray);
             let (wa, wb, wc) = (c.edge(b), a.edge(c), b.edge(a));
-            let least = _mm_min_ps(_mm_min_ps(wa, wb), wc);
-            let most = _mm_max_ps(_mm_max_ps(wa, wb), wc);
-            let zero = _mm_setzero_ps();
-            let inside = _mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(most, zero));
-            if _mm_movemask_ps(inside) == 0 {
+            let least = _mm256_min_ps(_mm256_min_ps(wa, wb), wc);
+            let most = _mm256_max_ps(_mm256_max_ps(wa, wb), wc);
+            let zero = _mm256_setzero_ps();
+            let inside = _mm256_or_ps(
+                _mm256_cmp_ps::<_CMP_GE_OQ>(least, zero),
+                _mm256_cmp_ps::<_CMP_LE_OQ>(most, zero),
+            );
+            if _mm256_movemask_ps(inside) == 0 {
                 return None;
             }
-            let sum = _mm_add_ps(_mm_add_ps(wa, wb), wc);
-            let depth = _mm_fmadd_ps(wa, a.z, _mm_fmadd_ps(wb, b.z, _mm_mul_ps(wc, c.z)));
-            let t = _mm_div_ps(_mm_mul_ps(depth, _mm_set1_ps(ray.shear[2])), sum);
-            let hit = _mm_and_ps(
-                _mm_and_ps(inside, _mm_cmpneq_ps(sum, zero)),
-                _mm_and_ps(
-                    _mm_cmpge_ps(t, _mm_set1_ps(ray.t_min)),
-                    _mm_cmple_ps(t, _mm_set1_ps(t_max)),
+            let sum = _mm256_add_ps(_mm256_add_ps(wa, wb), wc);
+            let depth = _mm256_fmadd_ps(wa, a.z, _mm256_fmadd_ps(wb, b.z, _mm256_mul_ps(wc, c.z)));
+            let t = _mm256_div_ps(_mm256_mul_ps(depth, _mm256_set1_ps(ray.shear[2])), sum);
+            let hit = _mm256_and_ps(
+                _mm256_and_ps(inside, _mm256_cmp_ps::<_CMP_NEQ_UQ>(sum, zero)),
+                _mm256_and_ps(
+                    _mm256_cmp_ps::<_CMP_GE_OQ>(t, _mm256_set1_ps(ray.t_min)),
+                    _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(t_max)),
                 ),
             );
-            let mut mask = _mm_movemask_ps(hit) as u32;
+            let mut mask = _mm256_movemask_ps(hit) as u32;
             if mask == 0 {
                 return None;
             }
             let mut at = [0.0_f32; PACKET];
-            _mm_storeu_ps(at.as_mut_ptr(), t);
+            _mm256_storeu_ps(at.as_mut_ptr(), t);
             let mut lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             while mask != 0 {
@@ -124,8 +127,8 @@ impl Tests for Avx2 {
             }
             let mut u = [0.0_f32; PACKET];
             let mut v = [0.0_f32; PACKET];
-            _mm_storeu_ps(u.as_mut_ptr(), _mm_div_ps(wb, sum));
-            _mm_storeu_ps(v.as_mut_ptr(), _mm_div_ps(wc, sum));
+            _mm256_storeu_ps(u.as_mut_ptr(), _mm256_div_ps(wb, sum));
+            _mm256_storeu_ps(v.as_mut_ptr(), _mm256_div_ps(wc, sum));
             Some(LaneHit {
                 lane,
                 t: at[lane],

@@ -1,11 +1,11 @@
-//! Nodes of eight boxes and packets of four triangles, and the tests against them.
+//! Nodes of eight boxes and packets of eight triangles, and the tests against them.
 
 use super::ray::Prepared;
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
 /// Triangles of a leaf.
-pub(super) const PACKET: usize = 4;
+pub(super) const PACKET: usize = 8;
 /// Bit that tells a packet of triangles from a node.
 pub(super) const LEAF: u32 = 1 << 31;
 /// No triangle in a lane of a packet.
@@ -98,7 +98,7 @@ fn above(origin: f32, step: f32, x: f32) -> u8 {
     q
 }
 
-/// Four triangles, coordinate by coordinate.
+/// Eight triangles, coordinate by coordinate.
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct Packet {

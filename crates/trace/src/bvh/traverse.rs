@@ -37,7 +37,7 @@ pub(super) unsafe fn closest<T: Tests>(bvh: &Bvh, ray: &Ray) -> Option<Hit> {
                     t: hit.t,
                     u: hit.u,
                     v: hit.v,
-                    triangle: packet.triangle[hit.lane & 3],
+                    triangle: packet.triangle[hit.lane & 7],
                 });
             }
         } else {
