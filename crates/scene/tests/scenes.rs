@@ -512,6 +512,37 @@ fn data_patterns_shape_the_light_of_a_lamp() {
     assert!((seen(Vec3::new(1.0, 0.0, 3.0)) - 8.0).abs() < 0.1);
 }
 
+#[test]
+fn anisotropic_materials_lie_as_in_radiance() {
+    // What `rtrace -ab 0 -st 0 -ss 16 -lw 1e-7` of RADIANCE 6 prints for these rays, under a sun of 0.1 degrees.
+    let sun = "void light sun 0 0 3 1e7 1e7 1e7\nsun source s 0 0 4 .3 .5 .8 .1\n";
+    let brushed = "void metal2 m 8 1 .3 0 . -rz 30 -rx 10 0 6 .8 .7 .6 1 .05 .25\n\
+                   !genbox m box 2 2 .1 | xform -t -1 -1 -.1 -rz 20 -ry 5\n";
+    let coated = "void plastic2 m 4 0 1 0 . 0 6 .3 .4 .5 .2 .3 .1\nm ring f 0 0 8 0 0 0 .1 .2 1 0 5\n";
+    let rays = [
+        ([0., 0., 3.], [0.02, 0.01, -1.]),
+        ([-0.8, -1.3, 2.], [0.8, 1.3, -2.]),
+        ([-0.5, -1.5, 2.2], [0.5, 1.4, -2.]),
+    ];
+    let wanted_brushed = [
+        [0.0; 3],
+        [19.30581, 16.89258, 14.47936],
+        [77.18406, 67.53605, 57.88805],
+    ];
+    let wanted_coated = [
+        [11.01492, 11.57347, 12.13202],
+        [5.277549, 5.836096, 6.394644],
+        [11.03746, 11.59601, 12.15456],
+    ];
+    for (text, wanted) in [(brushed, wanted_brushed), (coated, wanted_coated)] {
+        for ((from, along), wanted) in rays.iter().zip(wanted) {
+            let from = Vec3::from(*from);
+            let found = look(&format!("{sun}{text}"), from, from + Vec3::from(*along));
+            close((found.0, found.1.max(1e-6)), Vec3::from(wanted));
+        }
+    }
+}
+
 /// Words from which damaged scenes are made.
 const WORDS: [&str; 40] = [
     "void",
