@@ -158,9 +158,9 @@ impl Expansion<'_> {
                 "gensky" | "gendaylit" => {
                     let words: Vec<&str> = words.iter().map(String::as_str).collect();
                     let text = if name == "gensky" {
-                        generate::gensky(&words)
+                        generate::gensky(&words).map_err(|e| e.to_string())
                     } else {
-                        generate::gendaylit(&words)
+                        generate::gendaylit(&words).map_err(|e| e.to_string())
                     };
                     let text = text.map_err(|e| place.fault(name, e, format!("the arguments of {name}")))?;
                     at_place(radiance_material::read_from(&place.file, text.as_bytes())?)
