@@ -117,8 +117,12 @@ impl Builtin {
 }
 
 /// A number in [0, 1) from any number, RADIANCE's own mixing [Radiance, its program].
+#[expect(
+    clippy::approx_constant,
+    reason = "the program's own digits: the mixing turns their end into the result"
+)]
 fn rand(x: f64) -> f64 {
-    let x = x * (1.0 / (1.0 + x * x) + std::f64::consts::E);
+    let x = x * (1.0 / (1.0 + x * x) + 2.718_281_828_459_04);
     let x = 1e5 / (x + (0.785_398_163_397_447 - x.floor()));
     x - x.floor()
 }
