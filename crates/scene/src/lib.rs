@@ -5,6 +5,7 @@ pub mod cal;
 pub mod error;
 pub mod generate;
 pub mod mesh;
+pub mod sky;
 pub mod text;
 pub mod view;
 

@@ -1,5 +1,6 @@
 //! Noise on the integer lattice: Perlin's, by Hermite interpolation of a value and a gradient a lattice point, and the
-//! fractal one. The numbers follow RADIANCE's, so that a pattern looks alike [Radiance, its program].
+//! fractal one. The lattice values are those of RADIANCE's program before its release 6 [Radiance]; that one has others, so a
+//! noisy pattern has the same character there and not the same grain.
 
 /// A number in (-1, 1] from an integer.
 fn hashed(seed: i64) -> f64 {

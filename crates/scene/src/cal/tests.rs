@@ -268,6 +268,33 @@ fn noise_takes_the_lattice_values_and_slopes_of_its_definition() {
     }
 }
 
+#[test]
+fn the_library_gives_what_rtrace_gives() {
+    // A glow under a brightfunc of the formula, seen in a direction (tests/data/oracle.py).
+    let mut wrong = Vec::new();
+    for line in include_str!("../../tests/data/functions.txt").lines() {
+        let (text, rest) = line.split_once(" | ").unwrap();
+        let (direction, expected) = rest.split_once(" | ").unwrap();
+        let d: Vec<f64> = direction.split(' ').map(|x| x.parse().unwrap()).collect();
+        let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let at = Point {
+            direction: [d[0] / length, d[1] / length, d[2] / length],
+            ..Point::default()
+        };
+        let found = Program::parse("", "")
+            .unwrap()
+            .expression(text)
+            .unwrap()
+            .evaluate(&at, &[])
+            .unwrap();
+        let expected: f64 = expected.parse().unwrap();
+        if (found - expected).abs() > 2e-6 * expected.abs().max(1.0) {
+            wrong.push(format!("{text} at {direction} is {found}, not {expected}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// A random expression and its value by Rust's own arithmetic.
 fn formulas() -> impl Strategy<Value = (String, f64)> {
     let leaf = (0u32..1000).prop_map(|n| (format!("{}.25", n), n as f64 + 0.25));

@@ -1,17 +1,11 @@
 //! The commands that scene files may name: `!xform`, `!genbox`, `!gensky`, `!gendaylit`, run here and never by a shell.
 
-/// The text that `gensky` prints for `words`.
-///
-/// # Errors
-/// Always: it is not made yet.
-pub fn gensky(_words: &[&str]) -> Result<String, String> {
-    Err("gensky, which gonio does not make yet".into())
-}
+mod gendaylit;
+mod gensky;
+#[cfg(test)]
+mod tests;
+mod words;
 
-/// The text that `gendaylit` prints for `words`.
-///
-/// # Errors
-/// Always: it is not made yet.
-pub fn gendaylit(_words: &[&str]) -> Result<String, String> {
-    Err("gendaylit, which gonio does not make yet".into())
-}
+pub use gendaylit::gendaylit;
+pub use gensky::gensky;
+pub use words::GenerateError;

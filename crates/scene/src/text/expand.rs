@@ -162,7 +162,8 @@ impl Expansion<'_> {
                     } else {
                         generate::gendaylit(&words).map_err(|e| e.to_string())
                     };
-                    let text = text.map_err(|e| place.fault(name, e, format!("the arguments of {name}")))?;
+                    let text = text
+                        .map_err(|e| place.fault(name, e.to_string(), format!("the arguments of {name}")))?;
                     at_place(radiance_material::read_from(&place.file, text.as_bytes())?)
                 }
                 _ => {
