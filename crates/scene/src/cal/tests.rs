@@ -270,7 +270,7 @@ fn noise_takes_the_lattice_values_and_slopes_of_its_definition() {
 
 #[test]
 fn the_library_gives_what_rtrace_gives() {
-    // A glow under a brightfunc of the formula, seen in a direction (tests/data/oracle.py).
+    // A glow under a brightfunc of the formula, seen in a direction (tests/validation/scene_oracle.py).
     let mut wrong = Vec::new();
     for line in include_str!("../../tests/data/functions.txt").lines() {
         let (text, rest) = line.split_once(" | ").unwrap();

@@ -1,6 +1,6 @@
 use super::*;
 
-/// What RADIANCE 6's programs print (tests/data/oracle.py): 1e-5 of a number, or one in its last printed digit.
+/// What RADIANCE 6's programs print (tests/validation/scene_oracle.py): 1e-5 of a number, or one in its last printed digit.
 #[test]
 fn every_number_is_the_one_that_radiance_prints() {
     let mut wrong = Vec::new();

@@ -1,8 +1,8 @@
-"""Writes skies.txt, radiances.txt and functions.txt beside this file: what RADIANCE's own programs give.
+"""Writes skies.txt, radiances.txt and functions.txt of crates/scene/tests/data: what RADIANCE gives.
 
-Needs pyradiance 1.3: `python crates/scene/tests/data/oracle.py`. A line of skies.txt is the command, a bar, and every word
-that is printed outside comments; of radiances.txt a command, a direction and the radiance that rtrace finds there under a
-glow; of functions.txt the same of a formula.
+Needs pyradiance 1.3: `python tests/validation/scene_oracle.py`. A line of skies.txt is the command, a bar,
+and every word that is printed outside comments; of radiances.txt a command, a direction and the radiance that
+rtrace finds there under a glow; of functions.txt the same of a formula.
 """
 
 import itertools
@@ -16,7 +16,13 @@ from pathlib import Path
 import pyradiance
 
 BIN = Path(pyradiance.__file__).parent / "bin"
-PLACES = ["", "-a 52.52 -o -13.4 -m -15", "-a -33.9 -o -151.2 -m -150", "-a 68.4 -o -17.4 -m -15", "-a 1.3 -o -103.8 -m -120"]
+PLACES = [
+    "",
+    "-a 52.52 -o -13.4 -m -15",
+    "-a -33.9 -o -151.2 -m -150",
+    "-a 68.4 -o -17.4 -m -15",
+    "-a 1.3 -o -103.8 -m -120",
+]
 
 
 def printed(words: str) -> str:
@@ -28,14 +34,46 @@ def printed(words: str) -> str:
 
 def commands() -> list[str]:
     dates = ["6 21 12", "3 20 +9.25", "12 21 10.5", "9 1 16", "2 29 17.75", "6 1 5"]
-    skies = ["", "-s", "+s -g .3", "-c", "-u -b 20", "-i", "+i", "-c -B 70", "+s -B 100 -R 400", "-s -t 4", "+i -r 1e6", "-u -y 2024"]
-    light = ["-W 600 150", "-W 0 120 -g .1", "-L 60000 15000", "-G 300 150", "-E 450", "-P 1.2 .3", "-P 1 .2 -s", "-P 2 .15 -O 1",
-             "-P 3.5 .1 -O 2", "-P 5 .2", "-W 850 60 -y 2023", "-W 200 250 -i 60", "-W 600 150 -c", "-W 5 2", "-W 1400 1", "-L 0 8000"]
+    skies = [
+        "",
+        "-s",
+        "+s -g .3",
+        "-c",
+        "-u -b 20",
+        "-i",
+        "+i",
+        "-c -B 70",
+        "+s -B 100 -R 400",
+        "-s -t 4",
+        "+i -r 1e6",
+        "-u -y 2024",
+    ]
+    light = [
+        "-W 600 150",
+        "-W 0 120 -g .1",
+        "-L 60000 15000",
+        "-G 300 150",
+        "-E 450",
+        "-P 1.2 .3",
+        "-P 1 .2 -s",
+        "-P 2 .15 -O 1",
+        "-P 3.5 .1 -O 2",
+        "-P 5 .2",
+        "-W 850 60 -y 2023",
+        "-W 200 250 -i 60",
+        "-W 600 150 -c",
+        "-W 5 2",
+        "-W 1400 1",
+        "-L 0 8000",
+    ]
     every = [f"gensky {d} {s} {p}" for d, s, p in itertools.product(dates, skies, PLACES)]
     every += [f"gendaylit {d} {s} {p}" for d, s, p in itertools.product(dates, light, PLACES)]
     every = random.Random(5).sample(every, 200)
     angles = ["-ang 45 0", "-ang 5 -120", "-ang 89 30", "-ang -3 10"]
-    every += [f"gensky {d} {s}" for d, s in itertools.product([*angles, "7 4 14:30CEST", "7 4 9:15pdt -a 37 -o 122"], skies[:7])]
+    every += [
+        f"gensky {d} {s}"
+        for d, s in itertools.product([*angles, "7 4 14:30CEST", "7 4 9:15pdt -a 37 -o 122"], skies[:7])
+    ]
     every += [f"gendaylit {a} {s}" for a, s in itertools.product(angles[:3], light)]
     return [" ".join(c.split()) for c in every]
 
@@ -56,18 +94,36 @@ def seen(pattern: str, towards: list[list[float]]) -> list[float]:
     with tempfile.TemporaryDirectory() as folder:
         octree, scene = Path(folder) / "s.oct", Path(folder) / "s.rad"
         scene.write_text(f"{pattern}\nskyfunc glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 360\n")
-        octree.write_bytes(subprocess.run([BIN / "oconv", scene], capture_output=True, env=env, check=True).stdout)
+        octree.write_bytes(
+            subprocess.run([BIN / "oconv", scene], capture_output=True, env=env, check=True).stdout
+        )
         rays = "".join(f"0 0 0 {x} {y} {z}\n" for x, y, z in towards)
         run = [BIN / "rtrace", "-h", "-ab", "0", octree]
         out = subprocess.run(run, input=rays, text=True, capture_output=True, env=env, check=True).stdout
     return [float(line.split()[1]) for line in out.splitlines() if line.strip()]
 
 
-SKIES = ["gensky -ang 35 40 -s", "gensky -ang 60 -70 -i", "gensky -ang 35 0 -c", "gensky -ang 20 0 -u",
-         "gendaylit -ang 40 20 -W 600 150 -s", "gendaylit -ang 15 -60 -W 50 120 -s", "gendaylit -ang 55 0 -P 1 .3 -s"]
-FORMULAS = ["nrand(Dx)+6", "rand(Dx*9)+1", "hermite(Dx,Dy,Dz,1,.3)+2", "bspline(Dx,Dy,Dz,1,.3)+2",
-            "bezier(Dx,Dy,Dz,1,.3)+2", "mod(Dx*9,2)+tri(Dy*7,3)+1", "erf(Dx)+erfc(Dy)+2", "inside(-.2,Dx,.4)+xor(Dy,Dz)+4",
-            "atan2(Dy,Dx)+Acos(Dz*1.2)+5", "clipgrey(Dx,Dy,Dz)+fade(3,1,Dz*5)"]
+SKIES = [
+    "gensky -ang 35 40 -s",
+    "gensky -ang 60 -70 -i",
+    "gensky -ang 35 0 -c",
+    "gensky -ang 20 0 -u",
+    "gendaylit -ang 40 20 -W 600 150 -s",
+    "gendaylit -ang 15 -60 -W 50 120 -s",
+    "gendaylit -ang 55 0 -P 1 .3 -s",
+]
+FORMULAS = [
+    "nrand(Dx)+6",
+    "rand(Dx*9)+1",
+    "hermite(Dx,Dy,Dz,1,.3)+2",
+    "bspline(Dx,Dy,Dz,1,.3)+2",
+    "bezier(Dx,Dy,Dz,1,.3)+2",
+    "mod(Dx*9,2)+tri(Dy*7,3)+1",
+    "erf(Dx)+erfc(Dy)+2",
+    "inside(-.2,Dx,.4)+xor(Dy,Dz)+4",
+    "atan2(Dy,Dx)+Acos(Dz*1.2)+5",
+    "clipgrey(Dx,Dy,Dz)+fade(3,1,Dz*5)",
+]
 
 
 def radiances() -> list[str]:
@@ -76,7 +132,10 @@ def radiances() -> list[str]:
         name, *rest = command.split()
         text = subprocess.run([BIN / name, *rest], capture_output=True, text=True, check=True).stdout
         towards = [*directions(source, 10), [0.0, 0.0, 1.0]]
-        lines += [f"{command} | {x} {y} {z} | {v}" for (x, y, z), v in zip(towards, seen(text, towards), strict=True)]
+        lines += [
+            f"{command} | {x} {y} {z} | {v}"
+            for (x, y, z), v in zip(towards, seen(text, towards), strict=True)
+        ]
     return lines
 
 
@@ -94,7 +153,7 @@ def functions() -> list[str]:
 
 if __name__ == "__main__":
     text = "".join(f"{c} | {printed(c)}\n" for c in commands())
-    here = Path(__file__).parent
+    here = Path(__file__).parents[2] / "crates/scene/tests/data"
     (here / "skies.txt").write_text(text)
     (here / "radiances.txt").write_text("\n".join(radiances()) + "\n")
     (here / "functions.txt").write_text("\n".join(functions()) + "\n")
