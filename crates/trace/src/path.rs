@@ -40,7 +40,7 @@ fn balance(this: f32, other: f32) -> f32 {
 
 /// How the ray came about: what the light it meets counts.
 #[derive(Clone, Copy)]
-enum Origin {
+pub(crate) enum Origin {
     /// From the eye, or an ideal direction: no other way leads to the light.
     Alone,
     /// Drawn from a material at a point with this density.
@@ -51,11 +51,32 @@ impl Scene {
     /// Radiance that arrives at `origin` from the unit direction `direction`, W/(m2 sr) in red, green and blue: one sample.
     #[inline(always)]
     pub fn radiance(&self, origin: Vec3, direction: Vec3, limits: &Limits, sampler: &mut Sampler) -> Vec3 {
-        let (mut origin, mut direction) = (origin, direction);
+        let start = Next {
+            direction,
+            weight: Vec3::ONE,
+            came: Origin::Alone,
+        };
+        self.follow(origin, start, 0, limits, sampler)
+    }
+
+    /// Light that goes on from `origin` along a path, after `bounces` before.
+    #[inline(always)]
+    pub(crate) fn follow(
+        &self,
+        origin: Vec3,
+        start: Next,
+        bounces: u32,
+        limits: &Limits,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
+        let mut origin = origin;
+        let Next {
+            mut direction,
+            weight: mut left,
+            mut came,
+        } = start;
         let mut sum = Vec3::ZERO;
-        let mut left = Vec3::ONE;
-        let mut came = Origin::Alone;
-        let (mut bounces, mut panes) = (0, 0);
+        let (mut bounces, mut panes) = (bounces, 0);
         loop {
             let Some(met) = self.meet(origin, direction, f32::INFINITY) else {
                 return sum + left * self.at_infinity(direction, came);
@@ -167,7 +188,7 @@ impl Scene {
 
     /// Light that a point scatters straight from the lights: one of them, and the sky.
     #[inline(always)]
-    fn lit_by_lights(&self, met: &Meeting, local: &Local<'_>, u: f32, v: [f32; 2]) -> Vec3 {
+    pub(crate) fn lit_by_lights(&self, met: &Meeting, local: &Local<'_>, u: f32, v: [f32; 2]) -> Vec3 {
         let mut sum = Vec3::ZERO;
         if !self.lights.is_empty()
             && let Some((k, chance, _)) = self.lights.choose(met.point, u)
@@ -219,7 +240,7 @@ impl Scene {
 
     /// A direction in which the path goes on.
     #[inline(always)]
-    fn scattered(&self, met: &Meeting, local: &Local<'_>, mut u: [f32; 3]) -> Option<Next> {
+    pub(crate) fn scattered(&self, met: &Meeting, local: &Local<'_>, mut u: [f32; 3]) -> Option<Next> {
         let portals = &self.parts.portals;
         if !portals.is_empty() {
             if u[2] < TO_PORTALS {
@@ -300,10 +321,11 @@ impl Unscattering {
     }
 }
 
-struct Next {
-    direction: Vec3,
-    weight: Vec3,
-    came: Origin,
+/// How a path goes on.
+pub(crate) struct Next {
+    pub(crate) direction: Vec3,
+    pub(crate) weight: Vec3,
+    pub(crate) came: Origin,
 }
 
 /// Density per solid angle of a direction to a point drawn evenly from a parallelogram; zero where it misses it.
