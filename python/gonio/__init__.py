@@ -15,6 +15,7 @@ from gonio._native import (
     Resolution,
     Rgl,
     Scan,
+    Scene,
     Slice,
     Verdict,
     __version__,
@@ -35,10 +36,20 @@ from gonio.fitting import fit, fit_models
 from gonio.inspecting import inspect
 from gonio.measurement import Measurement
 from gonio.model_files import read_bsdf
+from gonio.picture_files import Picture, false_colour, tone_mapped
+from gonio.previewing import preview, studio_scene
 from gonio.processing import process
 from gonio.radiance_materials import read_materials, write_materials
 from gonio.readings import Readings, read
 from gonio.reducing import Reduction, reduce
+from gonio.rendering import (
+    RenderProgress,
+    SensorReadings,
+    read_scene,
+    read_sensors,
+    render,
+    render_sensors,
+)
 from gonio.reporting import report
 from gonio.simulating import simulate
 from gonio.sphere_readings import SphereResult, specularity
@@ -69,15 +80,19 @@ __all__ = [
     "Model",
     "ModelComparison",
     "ModelParameter",
+    "Picture",
     "QuantityError",
     "RadianceMaterial",
     "Ranking",
     "Readings",
     "Reduction",
+    "RenderProgress",
     "Resolution",
     "Rgl",
     "Roughness",
     "Scan",
+    "Scene",
+    "SensorReadings",
     "Slice",
     "SliceResidual",
     "SphereResult",
@@ -94,21 +109,29 @@ __all__ = [
     "demo",
     "directional_albedo",
     "export",
+    "false_colour",
     "fit",
     "fit_models",
     "inspect",
     "models",
+    "preview",
     "process",
     "read",
     "read_bsdf",
     "read_materials",
     "read_radiance",
+    "read_scene",
+    "read_sensors",
     "reduce",
+    "render",
+    "render_sensors",
     "report",
     "roughness",
     "simulate",
     "specularity",
+    "studio_scene",
     "tabulate",
+    "tone_mapped",
     "write_compact",
     "write_materials",
 ]

@@ -598,3 +598,61 @@ def tabulate(
     u_floor: float | None = None,
     sample_name: str | None = None,
 ) -> MeasurementData: ...
+
+@final
+class Scene:
+    @property
+    def primitives(self) -> int: ...
+
+@final
+class Samples:
+    def __init__(self, places: int) -> None: ...
+    @staticmethod
+    def from_arrays(
+        *, sum: ArrayLike, square: ArrayLike, count: ArrayLike, goal: int, floor: float
+    ) -> Samples: ...
+    def to_arrays(self) -> dict[str, Any]: ...
+    def mean(self) -> NDArray[np.float64]: ...
+    def luminance(self) -> NDArray[np.float64]: ...
+    def error(self) -> NDArray[np.float64]: ...
+
+@final
+class RenderWatch:
+    def __init__(self) -> None: ...
+    def progress(self) -> tuple[float, float]: ...
+    def stop(self) -> None: ...
+
+def studio_scene(model: Bsdf) -> tuple[Scene, str]: ...
+def read_scene(
+    paths: Sequence[PathLike[str]], search: Sequence[PathLike[str]]
+) -> tuple[Scene, list[str]]: ...
+def read_view(path: str | PathLike[str]) -> str: ...
+def view_options(text: str, width: int, height: int) -> tuple[str, int, int]: ...
+def render_picture(
+    scene: Scene,
+    into: Samples,
+    *,
+    view: str,
+    width: int,
+    samples: int,
+    relative_error: float | None,
+    bounces: int,
+    seed: int,
+    watch: RenderWatch,
+    threads: int | None = None,
+) -> None: ...
+def render_sensors(
+    scene: Scene,
+    into: Samples,
+    *,
+    sensors: ArrayLike,
+    samples: int,
+    relative_error: float | None,
+    bounces: int,
+    seed: int,
+    watch: RenderWatch,
+    threads: int | None = None,
+) -> None: ...
+def write_picture(
+    path: str | PathLike[str], *, samples: Samples, width: int, view: str, software: str
+) -> None: ...

@@ -71,3 +71,10 @@ def rgb_of_srgb(srgb: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     xyz = srgb @ _rgb_to_xyz(SRGB_PRIMARIES, SRGB_WHITE).T
     return rgb_of_xyz(xyz, white=_xyz_of_white(SRGB_WHITE))
+
+
+def rgb_to_srgb(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Linear sRGB of RGB (shape (…, 3)), the inverse of `rgb_of_srgb`; negative out of the gamut."""
+    forward = rgb_of_srgb(np.eye(3))
+    srgb: NDArray[np.float64] = rgb @ np.linalg.inv(forward)
+    return srgb

@@ -50,3 +50,35 @@ def interruptible(
     if errors:
         raise errors[0]
     return results[0]
+
+
+def finishing(
+    work: Callable[[], None], *, tick: Callable[[], None] = nothing, stop: Callable[[], None] = nothing
+) -> BaseException | None:
+    """Run `work` as `interruptible` does, but wait for its end in any case.
+
+    When `tick` or Ctrl-C raises, `stop` is called, the work ends by itself soon, and the exception is
+    returned; another one meanwhile goes on to the caller. An exception of `work` is raised.
+    """
+    errors: list[BaseException] = []
+    came: BaseException | None = None
+
+    def run() -> None:
+        try:
+            work()
+        except BaseException as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=run, name="gonio-work", daemon=True)
+    thread.start()
+    try:
+        while thread.is_alive():
+            thread.join(0.05)
+            tick()
+    except BaseException as error:
+        came = error
+        stop()
+        thread.join()
+    if errors:
+        raise errors[0]
+    return came

@@ -33,6 +33,7 @@ def test_without_arguments_the_verbs_are_listed(run, arguments):
         "compare",
         "export",
         "report",
+        "render",
         "simulate",
         "specularity",
         "roughness",

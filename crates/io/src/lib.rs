@@ -12,6 +12,7 @@ pub mod merl;
 pub mod mountain;
 pub mod nist_ptfe;
 pub mod options;
+pub mod picture;
 pub mod radiance_material;
 pub mod radiance_xml;
 pub mod rgl;

@@ -16,6 +16,7 @@ mod model_files;
 mod processing;
 mod radiance;
 mod radiance_material;
+mod render;
 mod resolution;
 mod rgl;
 mod scan;
@@ -45,6 +46,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     radiance_material::register(m)?;
     rgl::register(m)?;
     scan::register(m)?;
+    render::register(m)?;
     resolution::register(m)?;
     slice::register(m)?;
     tabulate::register(m)?;

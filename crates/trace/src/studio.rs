@@ -37,6 +37,7 @@ pub fn scene(material: Material) -> Result<Scene, SceneError> {
             .map(|k| Surface {
                 material: k,
                 light: (k == 3).then_some(0),
+                ..Surface::default()
             })
             .collect(),
         shapes: vec![(

@@ -62,8 +62,8 @@ fn under_the_centre_of_a_square_light_irradiance_is_that_of_its_form_factor() {
         0.5,
         0.8,
         Surface {
-            material: 0,
             light: Some(0),
+            ..Surface::default()
         },
     );
     parts.lights = vec![Light::Flat(Flat::new(&lamp, Vec3::new(1.0, 2.0, 3.0)).unwrap())];
@@ -120,15 +120,7 @@ fn under_a_uniform_sky_illuminance_is_pi_times_luminance_less_what_a_roof_hides(
             sky: Some(sky(2.0)),
             ..Parts::default()
         };
-        square(
-            &mut parts,
-            0.5,
-            0.8,
-            Surface {
-                material: 0,
-                light: None,
-            },
-        );
+        square(&mut parts, 0.5, 0.8, Surface::default());
         if portals {
             parts.portals = vec![[
                 Vec3::new(-2.0, -2.0, 0.9),
@@ -166,15 +158,7 @@ fn a_wall_without_light_brings_reflected_light_from_the_second_bounce() {
         }))),
         ..Parts::default()
     };
-    square(
-        &mut parts,
-        1000.0,
-        0.0,
-        Surface {
-            material: 0,
-            light: None,
-        },
-    );
+    square(&mut parts, 1000.0, 0.0, Surface::default());
     let scene = Scene::new(parts).unwrap();
     let down = Sensor::new(Vec3::new(0.0, 0.0, 0.5), -Vec3::Z).unwrap();
     let at = |bounces| {

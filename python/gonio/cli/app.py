@@ -19,6 +19,7 @@ from gonio.cli.inspect import inspect
 from gonio.cli.models import models
 from gonio.cli.process import process
 from gonio.cli.reduce import reduce
+from gonio.cli.render import render
 from gonio.cli.report import report
 from gonio.cli.roughness import roughness
 from gonio.cli.running import EXIT_ERROR, EXIT_INTERRUPTED, err, guarded, verb
@@ -58,6 +59,7 @@ for function in (
     compare,
     export,
     report,
+    render,
     simulate,
     models,
     specularity,
