@@ -170,7 +170,7 @@ def _tell_picture(picture: gonio.Picture, to: Path | None, *, json: bool, warnin
     height, width = picture.luminance.shape
     out.print(
         f"{to}: {width} x {height} pixels, {taken:.0f} paths each on average, "
-        f"mean luminance {mean:.4g} cd/m2, standard error of a pixel {100 * error:.2g} %"
+        f"mean luminance {mean:.4g} cd/m2, {_scatter(error)}"
     )
 
 
@@ -228,3 +228,12 @@ def _duration(seconds: float) -> str:
         return f"{whole} s"
     hours, minutes = divmod(whole // 60, 60)
     return f"{hours} h {minutes} min" if hours else f"{minutes} min {whole % 60} s"
+
+
+def _scatter(error: float) -> str:
+    """The standard error of a pixel in words; too few paths tell none."""
+    return (
+        f"standard error of a pixel {100 * error:.2g} %"
+        if math.isfinite(error)
+        else "too few paths for an error"
+    )
