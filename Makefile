@@ -22,7 +22,7 @@ demo: setup ## simulate, process, check and report a campaign of a known materia
 
 test: setup ## every test, Rust and Python
 	cargo test --workspace --exclude gonio-py --release --quiet
-	$(RUN) pytest
+	$(RUN) pytest -n auto
 
 check: setup ## format, lints, types and the fast tests
 	cargo fmt --all --check
