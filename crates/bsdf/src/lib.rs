@@ -9,6 +9,7 @@ pub mod batch;
 pub mod channel;
 pub mod compact;
 pub mod components;
+pub mod cone;
 pub mod error;
 pub mod half_difference;
 pub mod klems;

@@ -104,7 +104,7 @@ impl Tree {
     }
 
     /// Side of the cell that holds `coordinates`.
-    pub(crate) fn cell_side(&self, coordinates: &[f64; 4]) -> f64 {
+    pub fn cell_side(&self, coordinates: &[f64; 4]) -> f64 {
         let position = coordinates.map(fixed);
         let mut node = self.nodes()[0];
         let mut level = 0u32;

@@ -11,7 +11,7 @@ use crate::linear::solve;
 use crate::node::Node;
 use crate::plane::Point;
 use crate::triangulated::Placed;
-use crate::weights::{cubic, quadratic, to_incidence_plane};
+use crate::weights::{cubic, monomials, quadratic, to_incidence_plane};
 
 /// Coefficients of a cubic of two variables.
 const TERMS: usize = 10;
@@ -247,18 +247,7 @@ fn shape(lobe: &Lobe, law: [f64; 2]) -> Shape {
 }
 
 fn terms([x, y]: [f64; 2]) -> [f64; TERMS] {
-    [
-        1.0,
-        x,
-        y,
-        x * x,
-        y * y,
-        x * y,
-        x * x * x,
-        y * y * y,
-        x * x * y,
-        x * y * y,
-    ]
+    monomials(x, y)
 }
 
 fn dot(a: &[f64; TERMS], b: &[f64; TERMS]) -> f64 {

@@ -13,7 +13,7 @@ use gonio_geom::DVec3;
 use crate::plane::Point;
 
 pub(crate) use natural::Natural;
-pub(crate) use quadratic::{cubic, quadratic};
+pub(crate) use quadratic::{cubic, monomials, quadratic};
 
 /// Most points that count at a query.
 pub(crate) const MOST: usize = 16;

@@ -33,7 +33,7 @@ pub(crate) fn cubic(points: &[Point], p: Point) -> Option<[(usize, f64); NEAREST
 }
 
 /// The first monomials of an offset, by order.
-fn monomials<const N: usize>(x: f64, y: f64) -> [f64; N] {
+pub(crate) fn monomials<const N: usize>(x: f64, y: f64) -> [f64; N] {
     let all = [
         1.0,
         x,

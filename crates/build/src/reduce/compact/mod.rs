@@ -9,6 +9,8 @@ mod source;
 mod table;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_lobes;
 
 use gonio_bsdf::compact::{CompactPart, Frame, Symmetry};
 use gonio_bsdf::{Bsdf, BsdfError, Compact, FourComponents};
