@@ -12,6 +12,7 @@ pub mod error;
 mod field;
 mod flagging;
 pub mod flags;
+mod highest;
 mod invert;
 mod local;
 pub mod measurement;
@@ -23,6 +24,7 @@ mod process;
 #[cfg(test)]
 mod process_tests;
 pub mod processing;
+mod quadratic;
 pub mod readings;
 pub mod relative;
 mod robust;
@@ -40,6 +42,7 @@ pub use check::{CheckOptions, CopyPair, check, copies, reciprocity, repeatabilit
 pub use dark::{DarkMethod, DarkOptions, DarkSummary};
 pub use error::ScanError;
 pub use flags::Flags;
+pub use highest::{Highest, highest};
 pub use local::resolution_uncertainty;
 pub use measurement::{HemisphericalIntegral, Measurement, Slice};
 pub use nearest::DirectionIndex;

@@ -371,8 +371,7 @@ pub(crate) fn to_slice(
 /// Adds direction and resolution to the independent part in `u_dsf`.
 ///
 /// Direction: `|grad D| u_angle`. Resolution: the signature of second moment `m` raises a value by
-/// `m / 4 laplace D` to second order; the laplacian is twice the curvature along the path, and the whole (uncorrected)
-/// bias counts as standard uncertainty.
+/// `m / 4 laplace D` to second order; the whole (uncorrected) bias counts as standard uncertainty.
 pub(crate) fn add_local_uncertainty(slice: &mut Slice, resolution: Option<(f64, f64)>, u_angle: f64) {
     if u_angle > 0.0 {
         let slope = gradient(slice);
