@@ -2,9 +2,11 @@
 
 mod exr;
 mod hdr;
+mod hdr_read;
 
 pub use exr::write_exr;
 pub use hdr::write_hdr;
+pub use hdr_read::{ReadPicture, read_hdr, read_hdr_from};
 
 /// Luminance over radiance of white: 179 lm/W, as RADIANCE has it.
 const WHITE_EFFICACY: f32 = 179.0;
