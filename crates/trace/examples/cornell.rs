@@ -115,6 +115,7 @@ fn main() {
         vertical: 39.0,
         shift: [0.0; 2],
         fore: 0.0,
+        aft: 0.0,
     })
     .unwrap();
     let effort = Effort {
@@ -122,6 +123,7 @@ fn main() {
         relative_error: None,
         limits: Limits { bounces, roulette: 5 },
         seed: seed.into(),
+        share: false,
     };
     let mut picture = Picture::new(size, size);
     picture.render(&scene, &camera, &effort, &Default::default(), &|_| {});

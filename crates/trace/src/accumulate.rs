@@ -5,8 +5,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::path::Limits;
+use crate::camera::Camera;
+use crate::lanes::LANES;
+use crate::path::{Limits, Path};
 use crate::sampler::Sampler;
+use crate::scene::Scene;
 
 /// Luminance over radiance of red, green and blue, cd/m2 per W/(m2 sr), as RADIANCE weighs them (formulas.md 8.2); just as
 /// well illuminance over irradiance, lx per W/m2.
@@ -30,7 +33,7 @@ pub struct Pixel {
 
 /// Samples whose mean counts as one in the standard error: a batch of scrambled low-discrepancy points is far more even
 /// than as many independent ones.
-pub const BATCH: u32 = 16;
+pub const BATCH: u32 = 8;
 
 impl Pixel {
     /// Adds a batch of samples with this sum.
@@ -89,6 +92,8 @@ pub struct Effort {
     pub limits: Limits,
     /// The same seed gives the same result, whatever the number of threads.
     pub seed: u64,
+    /// Whether pixels of a picture share paths with their neighbours: a sample takes longer and is worth many.
+    pub share: bool,
 }
 
 impl Effort {
@@ -117,7 +122,7 @@ pub struct Report {
 }
 
 /// Samples of the first round: with fewer, light that comes rarely may be missed and the error seem small.
-const FIRST: u32 = 4 * BATCH;
+const FIRST: u32 = 8 * BATCH;
 
 impl Round {
     /// The next round.
@@ -136,8 +141,20 @@ fn mean(pixels: &[Pixel], of: impl Fn(&Pixel) -> f64) -> f64 {
 
 /// What is sampled.
 pub(crate) trait Draw: Sync {
-    /// Sample `index` of a place.
-    fn draw(&self, place: usize, sampler: &mut Sampler) -> Vec3;
+    /// The beginning of a path of a place.
+    fn start(&self, place: usize, sampler: Sampler) -> Path;
+
+    /// Where the paths lead through, and how far.
+    fn scene(&self) -> (&Scene, &Limits);
+
+    /// The camera whose aft clipping plane the paths meet, if it has one.
+    fn clip(&self) -> Option<&Camera> {
+        None
+    }
+
+    /// Adds the samples `first` to `first + BATCH` of places that share paths to their sums; `false` where each stands for
+    /// itself.
+    fn shared(&self, places: &[usize], seed: u64, first: u32, sums: &mut [[f64; 3]]) -> bool;
 }
 
 /// Adds samples to `pixels` until the effort is reached; `groups` of places are the work of one thread at a time.
@@ -189,34 +206,90 @@ pub(crate) fn accumulate<D: Draw>(
         let parts: Vec<Vec<(usize, Pixel)>> = groups
             .par_iter()
             .map(|group| {
-                let mut out = Vec::new();
-                let mut new = 0;
-                for &place in group {
-                    let mut pixel = before[place];
-                    if !open(&pixel) || stop.load(Ordering::Relaxed) {
-                        continue;
-                    }
-                    while pixel.count < now.goal.min(goal) && !stop.load(Ordering::Relaxed) {
-                        pixel.add(batch(draw, effort.seed, place, pixel.count));
-                        new += u64::from(BATCH);
-                    }
-                    // Half a round of a pixel would count as its state before the round, where errors decide.
-                    if effort.relative_error.is_none() || pixel.count >= now.goal.min(goal) {
-                        out.push((place, pixel));
-                    }
-                }
+                let limit = now.goal.min(goal);
+                let mut members: Vec<(usize, Pixel)> = group
+                    .iter()
+                    .map(|place| (*place, before[*place]))
+                    .filter(|(_, pixel)| open(pixel))
+                    .collect();
+                let new = match effort.share {
+                    true => together(draw, effort.seed, limit, &mut members, stop),
+                    false => alone(draw, effort.seed, limit, &mut members, stop),
+                };
+                // Half a round of a pixel would count as its state before the round, where errors decide.
+                members.retain(|(_, p)| effort.relative_error.is_none() || p.count >= limit);
                 let all = added.fetch_add(new, Ordering::Relaxed) + new;
                 report(Report {
                     done: ((taken + all as f64) / needed).min(1.0),
                     error,
                 });
-                out
+                members
             })
             .collect();
         for (place, pixel) in parts.into_iter().flatten() {
             pixels[place] = pixel;
         }
     }
+}
+
+/// Adds samples to each of some places; how many.
+fn alone<D: Draw>(draw: &D, seed: u64, limit: u32, members: &mut [(usize, Pixel)], stop: &AtomicBool) -> u64 {
+    let mut new = 0;
+    for (place, pixel) in members {
+        while pixel.count < limit && !stop.load(Ordering::Relaxed) {
+            let left = ((limit - pixel.count) / BATCH) as usize;
+            let sums_of = |call: usize| {
+                let many = (left - call * BATCHES).clamp(1, BATCHES);
+                let first = pixel.count + (call * BATCHES) as u32 * BATCH;
+                (many, batches(draw, seed, *place, first, many))
+            };
+            let calls = left.div_ceil(BATCHES).min(CALLS);
+            // Sums are added in the order of the samples, whoever computed them.
+            let found: Vec<_> = match calls {
+                0..2 => vec![sums_of(0)],
+                _ => (0..calls).into_par_iter().map(sums_of).collect(),
+            };
+            for (many, sums) in &found {
+                for sum in &sums[..*many] {
+                    pixel.add(*sum);
+                    new += u64::from(BATCH);
+                }
+            }
+        }
+    }
+    new
+}
+
+/// Adds samples to places that share paths; how many.
+fn together<D: Draw>(
+    draw: &D,
+    seed: u64,
+    limit: u32,
+    members: &mut [(usize, Pixel)],
+    stop: &AtomicBool,
+) -> u64 {
+    let mut new = 0;
+    let mut places = Vec::with_capacity(members.len());
+    let mut sums = Vec::with_capacity(members.len());
+    while !stop.load(Ordering::Relaxed)
+        && let Some(count) = members.iter().map(|(_, p)| p.count).min().filter(|n| *n < limit)
+    {
+        // Those that are behind catch up first: who draws together is known by the counts alone.
+        let behind = |p: &Pixel| p.count == count;
+        places.clear();
+        places.extend(members.iter().filter(|(_, p)| behind(p)).map(|(place, _)| *place));
+        sums.clear();
+        sums.resize(places.len(), [0.0; 3]);
+        if !shared(draw, &places, seed, count, &mut sums) {
+            return new + alone(draw, seed, limit, members, stop);
+        }
+        let added = members.iter_mut().filter(|(_, p)| behind(p));
+        for ((_, pixel), sum) in added.zip(&sums) {
+            pixel.add(*sum);
+            new += u64::from(BATCH);
+        }
+    }
+    new
 }
 
 /// Samples that a pixel will have, as its error falls with their square root.
@@ -233,34 +306,70 @@ fn expected(p: &Pixel, floor: f64, goal: u32, effort: &Effort) -> f64 {
     (count * (error / limit).powi(2)).clamp(count, all)
 }
 
-/// The sum of a batch of samples of one place, in the instructions that the processor has.
-fn batch<D: Draw>(draw: &D, seed: u64, place: usize, first: u32) -> [f64; 3] {
+/// Calls for batches of one place that all threads take together, between two looks whether to stop.
+const CALLS: usize = 64;
+
+/// Batches whose paths are followed side by side.
+const BATCHES: usize = LANES / BATCH as usize;
+
+/// The sums of some batches of samples of one place, in the instructions that the processor has.
+fn batches<D: Draw>(draw: &D, seed: u64, place: usize, first: u32, count: usize) -> [[f64; 3]; BATCHES] {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2,fma,bmi2")]
-        fn wide<D: Draw>(draw: &D, seed: u64, place: usize, first: u32) -> [f64; 3] {
-            samples(draw, seed, place, first)
+        fn wide<D: Draw>(draw: &D, seed: u64, place: usize, first: u32, count: usize) -> [[f64; 3]; BATCHES] {
+            samples(draw, seed, place, first, count)
         }
         if is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("bmi2")
         {
             // SAFETY: the processor has the instructions.
-            return unsafe { wide(draw, seed, place, first) };
+            return unsafe { wide(draw, seed, place, first, count) };
         }
     }
-    samples(draw, seed, place, first)
+    samples(draw, seed, place, first, count)
 }
 
 #[inline(always)]
-fn samples<D: Draw>(draw: &D, seed: u64, place: usize, first: u32) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for index in first..first + BATCH {
-        let mut sampler = Sampler::new(seed, place as u32, index);
-        let value = draw.draw(place, &mut sampler);
-        for (s, x) in sum.iter_mut().zip(value.to_array()) {
-            *s += f64::from(x);
+fn samples<D: Draw>(draw: &D, seed: u64, place: usize, first: u32, count: usize) -> [[f64; 3]; BATCHES] {
+    let mut paths = [Path::dark(Sampler::new(seed, place as u32, first)); LANES];
+    let paths = &mut paths[..count * BATCH as usize];
+    // No closure: it would not have the instructions.
+    for (k, path) in paths.iter_mut().enumerate() {
+        *path = draw.start(place, Sampler::new(seed, place as u32, first + k as u32));
+    }
+    let (scene, limits) = draw.scene();
+    match draw.clip() {
+        None => scene.follow(paths, limits),
+        Some(camera) => scene.follow_clipped(camera, paths, limits),
+    }
+    let mut sums = [[0.0; 3]; BATCHES];
+    for (sum, batch) in sums.iter_mut().zip(paths.chunks(BATCH as usize)) {
+        for path in batch {
+            for (s, x) in sum.iter_mut().zip(path.sum.to_array()) {
+                *s += f64::from(x);
+            }
         }
     }
-    sum
+    sums
+}
+
+/// A batch of samples of places that share paths, in the instructions that the processor has.
+fn shared<D: Draw>(draw: &D, places: &[usize], seed: u64, first: u32, sums: &mut [[f64; 3]]) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2,fma,bmi2")]
+        fn wide<D: Draw>(draw: &D, places: &[usize], seed: u64, first: u32, sums: &mut [[f64; 3]]) -> bool {
+            draw.shared(places, seed, first, sums)
+        }
+        if is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi2")
+        {
+            // SAFETY: the processor has the instructions.
+            return unsafe { wide(draw, places, seed, first, sums) };
+        }
+    }
+    draw.shared(places, seed, first, sums)
 }

@@ -36,8 +36,10 @@ pub struct View {
     pub vertical: f32,
     /// Shift to the right and lift by fractions of the size (`-vs`, `-vl`).
     pub shift: [f32; 2],
-    /// Distance of the fore clipping plane.
+    /// Distance of the fore clipping plane: across the axis in plane pictures, about the eye in others.
     pub fore: f32,
+    /// Distance of the aft clipping plane, alike: a ray that meets no surface before it sees nothing. 0 for none.
+    pub aft: f32,
 }
 
 /// A view that shows nothing.
@@ -89,6 +91,13 @@ impl Camera {
                 "a direction that is not that of the view",
             ));
         };
+        if view.aft != 0.0 && (view.aft.is_nan() || view.aft <= view.fore) {
+            return Err(error(
+                "aft clipping (-va)",
+                view.aft.to_string(),
+                "0, or a distance beyond the fore clipping plane (-vo)",
+            ));
+        }
         let size = |field, degrees: f32| {
             let plane = match view.projection {
                 Projection::Perspective if 0.0 < degrees && degrees < 180.0 => {
@@ -170,8 +179,31 @@ impl Camera {
             }
             Projection::Cylindrical => x.cos() * axis + x.sin() * right + y * up,
         };
-        let direction = direction.try_normalize()?;
-        Some((view.point + view.fore * direction, direction))
+        // Not yet a unit vector: in plane pictures and on cylinders it ends at 1 along the axis, as RADIANCE's does
+        // [Radiance, common/image.c].
+        let origin = view.point + view.fore * direction;
+        Some((origin, direction.try_normalize()?))
+    }
+
+    /// Whether there is an aft clipping plane.
+    pub(crate) fn clips(&self) -> bool {
+        self.view.aft != 0.0
+    }
+
+    /// The way from a point of a ray of the view to the aft clipping plane; `direction` is the unit direction of the ray.
+    pub(crate) fn remaining(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let (aft, way) = (self.view.aft, origin - self.view.point);
+        let left = match self.view.projection {
+            Projection::Perspective | Projection::Parallel => {
+                (aft - way.dot(self.axis)) / direction.dot(self.axis)
+            }
+            Projection::Cylindrical => {
+                let level = |v: Vec3| v.reject_from_normalized(self.up).length();
+                (aft - level(way)) / level(direction)
+            }
+            _ => aft - way.length(),
+        };
+        left.max(0.0)
     }
 }
 
@@ -189,6 +221,7 @@ mod tests {
             vertical,
             shift: [0.0; 2],
             fore: 0.0,
+            aft: 0.0,
         }
     }
 
@@ -236,8 +269,33 @@ mod tests {
                 "-vh",
             ),
             (View { vertical: 0.0, ..ok }, "-vv"),
+            (
+                View {
+                    fore: 2.0,
+                    aft: 1.0,
+                    ..ok
+                },
+                "-va",
+            ),
+            (View { aft: -1.0, ..ok }, "-va"),
         ] {
             assert!(Camera::new(bad).unwrap_err().to_string().contains(name));
+        }
+    }
+
+    #[test]
+    fn the_fore_clipping_plane_lies_across_the_axis_or_about_the_eye() {
+        for (projection, flat) in [(Projection::Perspective, true), (Projection::Angular, false)] {
+            let view = View {
+                fore: 2.0,
+                ..view(projection, 80.0, 80.0)
+            };
+            let camera = Camera::new(view).unwrap();
+            for at in [[0.5, 0.5], [0.9, 0.2]] {
+                let begin = camera.ray(at).unwrap().0 - view.point;
+                let depth = if flat { begin.dot(Vec3::Y) } else { begin.length() };
+                assert!((depth - 2.0).abs() < 1e-5);
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use glam::Vec3;
 use gonio_bsdf::{Bsdf, Lobe};
 use gonio_geom::{Component, Direction};
 
+use crate::function::{Scattering, Sight};
 use crate::vector::{Frame, cosine_weighted};
 
 /// A material: red, green and blue.
@@ -29,6 +30,8 @@ pub enum Material {
         /// Whether it has an ideal part.
         ideal: bool,
     },
+    /// Functions of the place and both directions.
+    Function(Arc<dyn Scattering>),
 }
 
 impl Material {
@@ -38,6 +41,9 @@ impl Material {
         Material::Model { model, up, ideal }
     }
 }
+
+/// The largest number below 1.
+const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
 
 /// A direction drawn from a material.
 #[derive(Clone, Copy, Debug)]
@@ -52,13 +58,19 @@ pub(crate) struct Drawn {
 
 /// A material at a point, seen from a direction.
 pub(crate) struct Local<'a> {
-    material: &'a Material,
-    frame: Frame,
+    pub(crate) material: &'a Material,
+    pub(crate) frame: Frame,
     /// Towards the eye, in the frame.
     to_eye: Direction,
-    to_eye_local: Vec3,
+    pub(crate) to_eye_local: Vec3,
     /// The factor of a pattern, and the part of the material without it.
-    paint: Option<(Vec3, Option<&'a dyn Bsdf>)>,
+    pub(crate) paint: Option<(Vec3, Option<&'a dyn Bsdf>)>,
+    /// The normal of the surface where that of the frame is another.
+    flat: Option<Vec3>,
+    /// Where a material of functions is seen.
+    pub(crate) sight: Option<Box<Sight>>,
+    /// The share of this material, and the one that has the rest.
+    other: Option<(f32, Box<Local<'a>>)>,
 }
 
 impl<'a> Local<'a> {
@@ -69,6 +81,11 @@ impl<'a> Local<'a> {
             Material::Model { up: Some(up), .. } => Frame::upright(normal, *up),
             _ => Frame::about(normal),
         };
+        Local::within(material, frame, to_eye)
+    }
+
+    #[inline(always)]
+    fn within(material: &'a Material, frame: Frame, to_eye: Vec3) -> Self {
         let to_eye_local = frame.local(to_eye);
         let to_eye = match material {
             Material::Model { .. } => frame.direction(to_eye),
@@ -80,7 +97,64 @@ impl<'a> Local<'a> {
             to_eye,
             to_eye_local,
             paint: None,
+            flat: None,
+            sight: None,
+            other: None,
         }
+    }
+
+    /// With another normal than that of the surface, turned towards the eye as far as it must be to lie on its side, and
+    /// another direction that the y axis is closest to.
+    pub(crate) fn bent(
+        material: &'a Material,
+        flat: Vec3,
+        normal: Vec3,
+        up: Option<Vec3>,
+        to_eye: Vec3,
+    ) -> Self {
+        /// Least cosine to the eye.
+        const LEAST: f32 = 1e-3;
+        let side = 1.0_f32.copysign(flat.dot(to_eye));
+        let cos = side * normal.dot(to_eye);
+        let normal = if cos >= LEAST {
+            normal
+        } else {
+            (normal + side * (LEAST - cos) * to_eye).normalize_or(flat)
+        };
+        Local {
+            flat: Some(flat),
+            ..match up {
+                Some(up) => Local::within(material, Frame::upright(normal, up), to_eye),
+                None => Local::new(material, normal, to_eye),
+            }
+        }
+    }
+
+    /// With a share of this material and the rest of another.
+    pub(crate) fn mixed(mut self, share: f32, other: Local<'a>) -> Self {
+        if self.other.is_some() {
+            // A mixture of mixtures: the rest goes to the end of the list.
+            return self.mixed_on(share, other);
+        }
+        self.other = Some((share, Box::new(other)));
+        self
+    }
+
+    fn mixed_on(mut self, share: f32, other: Local<'a>) -> Self {
+        if let Some((own, rest)) = self.other.take() {
+            // share (own A + (1 - own) B) + (1 - share) C = first A + (1 - first) (second B + (1 - second) C)
+            let first = share * own;
+            let second = share * (1.0 - own) / (1.0 - first);
+            self.other = Some((first, Box::new(rest.mixed(second, other))));
+        }
+        self
+    }
+
+    /// Whether a direction lies on the same side of the surface as of the normal that the material shows.
+    #[inline(always)]
+    pub(crate) fn agrees(&self, from: Vec3) -> bool {
+        self.flat
+            .is_none_or(|flat| flat.dot(from) * self.frame.z.dot(from) > 0.0)
     }
 
     /// With a factor on all of the material but `bare`.
@@ -103,11 +177,62 @@ impl<'a> Local<'a> {
         }
     }
 
+    /// The reflectance of a Lambertian reflector, with its pattern; `None` where a texture turns its normal.
+    #[inline(always)]
+    pub(crate) fn lambertian(&self) -> Option<Vec3> {
+        match self.material {
+            _ if self.flat.is_some() || self.other.is_some() => None,
+            Material::Diffuse { reflectance } => Some(self.coloured(*reflectance, |_| Vec3::ZERO)),
+            _ => None,
+        }
+    }
+
+    /// Towards the eye, in the world.
+    #[inline(always)]
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.frame.world(self.to_eye_local)
+    }
+
     /// `f |cos|` for light from `from` (unit, leaves the surface), and the density with which it would be drawn.
     #[inline(always)]
     pub(crate) fn eval(&self, from: Vec3) -> (Vec3, f32) {
+        match &self.other {
+            None => self.eval_one(from),
+            Some((share, other)) => self.eval_both(from, *share, other),
+        }
+    }
+
+    #[inline(never)]
+    fn eval_both(&self, from: Vec3, share: f32, other: &Local<'a>) -> (Vec3, f32) {
+        let ((f, p), (g, q)) = (self.eval_one(from), other.eval(from));
+        (share * f + (1.0 - share) * g, share * p + (1.0 - share) * q)
+    }
+
+    /// One of the two draws the direction, by chance.
+    #[inline(never)]
+    fn sample_both(&self, [u, v, w]: [f32; 3], share: f32, other: &Local<'a>) -> Option<Drawn> {
+        let drawn = if w < share {
+            self.sample_one([u, v, (w / share).min(BELOW_ONE)])
+        } else {
+            other.sample([u, v, ((w - share) / (1.0 - share)).min(BELOW_ONE)])
+        };
+        let direction = drawn?.direction;
+        let (f, pdf) = self.eval_both(direction, share, other);
+        (pdf > 0.0).then(|| Drawn {
+            direction,
+            weight: f / pdf,
+            pdf,
+        })
+    }
+
+    #[inline(always)]
+    fn eval_one(&self, from: Vec3) -> (Vec3, f32) {
+        if !self.agrees(from) {
+            return (Vec3::ZERO, 0.0);
+        }
         match self.material {
             Material::Nothing | Material::Black => (Vec3::ZERO, 0.0),
+            Material::Function(_) => self.eval_function(from),
             Material::Diffuse { reflectance } => {
                 let cos = self.frame.z.dot(from);
                 if cos * self.to_eye_local.z <= 0.0 {
@@ -130,8 +255,22 @@ impl<'a> Local<'a> {
     /// A direction from which scattered light comes; ideal directions are [`Local::ideal`].
     #[inline(always)]
     pub(crate) fn sample(&self, u: [f32; 3]) -> Option<Drawn> {
+        match &self.other {
+            None => self.sample_one(u),
+            Some((share, other)) => self.sample_both(u, *share, other),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_one(&self, u: [f32; 3]) -> Option<Drawn> {
+        self.draw(u).filter(|drawn| self.agrees(drawn.direction))
+    }
+
+    #[inline(always)]
+    fn draw(&self, u: [f32; 3]) -> Option<Drawn> {
         match self.material {
             Material::Nothing | Material::Black => None,
+            Material::Function(_) => self.draw_function(u),
             Material::Diffuse { reflectance } => {
                 let side = 1.0_f32.copysign(self.to_eye_local.z);
                 let local = cosine_weighted([u[0], u[1]]) * Vec3::new(1.0, 1.0, side);
@@ -166,36 +305,70 @@ impl<'a> Local<'a> {
     /// Where light comes from without being scattered, mirrored and transmitted, and its share.
     #[inline]
     pub(crate) fn ideal(&self) -> [Option<Unscattered>; 2] {
-        match self.material {
-            Material::Nothing => [
-                None,
-                Some(Unscattered::straight(
-                    -self.frame.world(self.to_eye_local),
-                    Vec3::ONE,
-                )),
-            ],
-            Material::Model {
-                model, ideal: true, ..
-            } => [Component::Reflection, Component::Transmission].map(|component| {
-                let mut to = None;
-                let share = rgb(model.as_ref(), |s| to = model.delta(self.to_eye, component, s));
-                let share = self.coloured(share, |bare| {
-                    rgb(bare, |s| {
-                        bare.delta(self.to_eye, component, s);
-                    })
-                });
-                let to = to.filter(|_| share.max_element() > 0.0)?;
-                if to.vec().dot(self.to_eye.vec()) < -1.0 + 1e-9 {
-                    return Some(Unscattered::straight(-self.frame.world(self.to_eye_local), share));
-                }
-                Some(Unscattered {
-                    direction: self.frame.vector(to),
-                    share,
-                    straight: false,
-                })
-            }),
-            _ => [None, None],
+        match &self.other {
+            None => self.ideal_one(),
+            Some((share, other)) => {
+                let (own, others) = (self.ideal_one(), other.ideal());
+                std::array::from_fn(|k| Unscattered::both(own[k], *share, others[k], 1.0 - share))
+            }
         }
+    }
+
+    #[inline]
+    fn ideal_one(&self) -> [Option<Unscattered>; 2] {
+        let mirrored = match self.material {
+            Material::Model { ideal: true, .. } => self.unscattered(Component::Reflection),
+            Material::Function(_) => self.mirrored_function(),
+            _ => None,
+        };
+        [mirrored, self.transmitted_one()]
+    }
+
+    /// The transmitted one of [`Local::ideal`].
+    #[inline]
+    pub(crate) fn transmitted(&self) -> Option<Unscattered> {
+        match &self.other {
+            None => self.transmitted_one(),
+            Some((share, other)) => {
+                Unscattered::both(self.transmitted_one(), *share, other.transmitted(), 1.0 - share)
+            }
+        }
+    }
+
+    #[inline]
+    fn transmitted_one(&self) -> Option<Unscattered> {
+        match self.material {
+            Material::Nothing => Some(Unscattered::straight(
+                -self.frame.world(self.to_eye_local),
+                Vec3::ONE,
+            )),
+            Material::Model { ideal: true, .. } => self.unscattered(Component::Transmission),
+            Material::Function(_) => self.straight_function(),
+            _ => None,
+        }
+    }
+
+    fn unscattered(&self, component: Component) -> Option<Unscattered> {
+        let Material::Model { model, .. } = self.material else {
+            return None;
+        };
+        let mut to = None;
+        let share = rgb(model.as_ref(), |s| to = model.delta(self.to_eye, component, s));
+        let share = self.coloured(share, |bare| {
+            rgb(bare, |s| {
+                bare.delta(self.to_eye, component, s);
+            })
+        });
+        let to = to.filter(|_| share.max_element() > 0.0)?;
+        if to.vec().dot(self.to_eye.vec()) < -1.0 + 1e-9 {
+            return Some(Unscattered::straight(-self.frame.world(self.to_eye_local), share));
+        }
+        let direction = self.frame.vector(to);
+        self.agrees(direction).then_some(Unscattered {
+            direction,
+            share,
+            straight: false,
+        })
     }
 }
 
@@ -210,7 +383,17 @@ pub(crate) struct Unscattered {
 }
 
 impl Unscattered {
-    fn straight(direction: Vec3, share: Vec3) -> Self {
+    /// Light of two materials, which leave it the same direction: a scene does not mix those that do not.
+    fn both(a: Option<Self>, share_a: f32, b: Option<Self>, share_b: f32) -> Option<Self> {
+        let share = |way: Option<Self>, share: f32| way.map_or(Vec3::ZERO, |w| share * w.share);
+        let sum = share(a, share_a) + share(b, share_b);
+        Some(Unscattered {
+            share: sum,
+            ..a.or(b)?
+        })
+    }
+
+    pub(crate) fn straight(direction: Vec3, share: Vec3) -> Self {
         Unscattered {
             direction,
             share,
@@ -221,7 +404,7 @@ impl Unscattered {
 
 /// The three values of a model of one or three channels.
 #[inline]
-fn rgb(model: &dyn Bsdf, fill: impl FnOnce(&mut [f64])) -> Vec3 {
+pub(crate) fn rgb(model: &dyn Bsdf, fill: impl FnOnce(&mut [f64])) -> Vec3 {
     if model.channels().len() == 1 {
         let mut f = [0.0];
         fill(&mut f);

@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use crate::light::{Light, Towards};
-use crate::material::{Local, Unscattered};
+use crate::material::{Local, Material, Unscattered};
 use crate::sampler::Sampler;
 use crate::scene::{Meeting, Scene};
+use crate::travel::{Ground, Travel};
 
 /// How far paths are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +25,12 @@ impl Default for Limits {
     }
 }
 
-/// Share of the directions after a scattering that go to the portals, where there are any.
-const TO_PORTALS: f32 = 0.5;
+/// Mirrored and transmitted light with so much of all leave nothing to be scattered.
+const ALL: f32 = 1.0 - 1e-5;
 
 /// The balance heuristic [Veach1997, eq. 9.8]: how much the first of two ways to draw a direction counts.
 #[inline]
-fn balance(this: f32, other: f32) -> f32 {
+pub(crate) fn balance(this: f32, other: f32) -> f32 {
     if this + other > 0.0 {
         this / (this + other)
     } else {
@@ -43,103 +43,226 @@ fn balance(this: f32, other: f32) -> f32 {
 pub(crate) enum Origin {
     /// From the eye, or an ideal direction: no other way leads to the light.
     Alone,
-    /// Drawn from a material at a point with this density.
-    Drawn { from: Vec3, pdf: f32 },
+    /// Drawn from a material at a point with this density, where lights were drawn this often.
+    Drawn { from: Vec3, pdf: f32, draws: f32 },
+}
+
+/// A way back from the eye, as far as it is followed.
+#[derive(Clone, Copy)]
+pub(crate) struct Path {
+    pub(crate) origin: Vec3,
+    /// Unit.
+    pub(crate) direction: Vec3,
+    /// What light that arrives along the ray counts.
+    pub(crate) left: Vec3,
+    pub(crate) came: Origin,
+    /// Light found so far.
+    pub(crate) sum: Vec3,
+    pub(crate) bounces: u32,
+    pub(crate) panes: u32,
+    /// Boxes of a device that it has crossed.
+    pub(crate) cells: u32,
+    /// Whether it left the device that it was to pass.
+    pub(crate) escaped: bool,
+    pub(crate) sampler: Sampler,
+    pub(crate) travel: Travel,
+}
+
+/// What becomes of a path at a surface.
+pub(crate) enum Arrival<'a> {
+    /// It ends.
+    Ended,
+    /// It went on without being scattered.
+    Passed,
+    /// It is scattered by a Lambertian reflector, without pattern.
+    Plain(Vec3),
+    /// It is scattered.
+    Scattered(Local<'a>),
+}
+
+impl Path {
+    /// A way that begins at the eye.
+    #[inline(always)]
+    pub(crate) fn new(origin: Vec3, direction: Vec3, sampler: Sampler) -> Self {
+        Path {
+            origin,
+            direction,
+            left: Vec3::ONE,
+            came: Origin::Alone,
+            sum: Vec3::ZERO,
+            bounces: 0,
+            panes: 0,
+            cells: 0,
+            escaped: false,
+            sampler,
+            travel: Travel::default(),
+        }
+    }
+
+    /// A way on which there is no light.
+    #[inline(always)]
+    pub(crate) fn dark(sampler: Sampler) -> Self {
+        Path {
+            left: Vec3::ZERO,
+            ..Path::new(Vec3::ZERO, Vec3::Z, sampler)
+        }
+    }
+
+    /// Goes on from a scattering. Whether it does: it may end by chance.
+    #[inline(always)]
+    pub(crate) fn bounce(&mut self, origin: Vec3, next: Next, limits: &Limits) -> bool {
+        self.origin = origin;
+        self.direction = next.direction;
+        self.came = next.came;
+        self.left *= next.weight;
+        self.bounces += 1;
+        let carried = self.left.max_element();
+        if self.bounces > limits.roulette && carried < 1.0 {
+            let chance = carried.clamp(0.05, 0.95);
+            if self.sampler.one() >= chance {
+                return false;
+            }
+            self.left /= chance;
+        }
+        carried > 0.0 && carried.is_finite()
+    }
 }
 
 impl Scene {
     /// Radiance that arrives at `origin` from the unit direction `direction`, W/(m2 sr) in red, green and blue: one sample.
-    #[inline(always)]
     pub fn radiance(&self, origin: Vec3, direction: Vec3, limits: &Limits, sampler: &mut Sampler) -> Vec3 {
-        let start = Next {
-            direction,
-            weight: Vec3::ONE,
-            came: Origin::Alone,
-        };
-        self.follow(origin, start, 0, limits, sampler)
+        let mut path = [Path::new(origin, direction, *sampler)];
+        self.follow(&mut path, limits);
+        *sampler = path[0].sampler;
+        path[0].sum
     }
 
-    /// Light that goes on from `origin` along a path, after `bounces` before.
+    /// What becomes of a path at what it meets. Where all light is mirrored or transmitted and each of both carries `fork`, the
+    /// path goes one way and `branch` gets the other.
     #[inline(always)]
-    pub(crate) fn follow(
+    pub(crate) fn arrive(
         &self,
-        origin: Vec3,
-        start: Next,
-        bounces: u32,
+        path: &mut Path,
+        met: &Meeting,
         limits: &Limits,
-        sampler: &mut Sampler,
-    ) -> Vec3 {
-        let mut origin = origin;
-        let Next {
-            mut direction,
-            weight: mut left,
-            mut came,
-        } = start;
-        let mut sum = Vec3::ZERO;
-        let (mut bounces, mut panes) = (bounces, 0);
-        loop {
-            let Some(met) = self.meet(origin, direction, f32::INFINITY) else {
-                return sum + left * self.at_infinity(direction, came);
-            };
-            sum += left * self.emitted(&met, direction, came);
-            let concealed = self.parts.surfaces[met.surface as usize].concealed;
-            if concealed && matches!(came, Origin::Drawn { .. }) && met.normal.dot(direction) < 0.0 {
-                // The light stands for all that comes through.
-                return sum;
+        fork: f32,
+        mut branch: impl FnMut(Path),
+    ) -> Arrival<'_> {
+        if self.travels {
+            path.left *= self.travelled(&mut path.travel, met, path.direction);
+            if path.panes < crate::scene::MOST_PANES
+                && self.passes_proxy(met, path.direction, path.travel.scattered)
+            {
+                path.origin = self.off(met, path.direction);
+                path.panes += 1;
+                return Arrival::Passed;
             }
-            let local = self.local(&met, -direction);
-            if bounces >= limits.bounces || panes >= crate::scene::MOST_PANES {
-                return sum;
+        }
+        let surface = &self.parts.surfaces[met.surface as usize];
+        path.sum += path.left * self.emitted(met, path.direction, path.came);
+        if surface.concealed
+            && matches!(path.came, Origin::Drawn { .. })
+            && met.normal.dot(path.direction) < 0.0
+        {
+            // The light stands for all that comes through.
+            return Arrival::Ended;
+        }
+        if path.bounces >= limits.bounces || path.panes >= crate::scene::MOST_PANES {
+            return Arrival::Ended;
+        }
+        if let Material::Diffuse { reflectance } = &self.parts.materials[surface.material as usize]
+            && surface.is_plain()
+            && met.smooth == met.normal
+        {
+            return Arrival::Plain(*reflectance);
+        }
+        let local = self.local(met, -path.direction);
+        let ways = local.ideal();
+        if fork < f32::INFINITY
+            && let [Some(mirrored), Some(transmitted)] = ways
+            && (mirrored.share + transmitted.share).min_element() > ALL
+            && (path.left * mirrored.share).max_element() >= fork
+            && (path.left * transmitted.share).max_element() >= fork
+        {
+            let mut other = *path;
+            other.sampler = path.sampler.forked();
+            self.unscattered(&mut other, met, &mirrored, mirrored.share);
+            branch(other);
+            self.unscattered(path, met, &transmitted, transmitted.share);
+            return Arrival::Passed;
+        }
+        match Unscattering::choose(ways, &mut path.sampler) {
+            Unscattering::Taken { way, weight } => {
+                self.unscattered(path, met, &way, weight);
+                Arrival::Passed
             }
-            match Unscattering::choose(&local, sampler) {
-                Unscattering::Taken { way, weight } => {
-                    left *= weight;
-                    direction = way.direction;
-                    origin = self.off(&met, direction);
-                    if way.straight {
-                        // The ray goes on as it was: what it meets counts as without the pane.
-                        panes += 1;
-                    } else {
-                        came = Origin::Alone;
-                        bounces += 1;
-                    }
-                    continue;
-                }
-                Unscattering::Passed { weight } => left *= weight,
-            }
-            let u = sampler.one();
-            let v = sampler.two();
-            sum += left * self.lit_by_lights(&met, &local, u, v);
-            let choice = sampler.one();
-            let u = sampler.two();
-            let Some(next) = self.scattered(&met, &local, [u[0], u[1], choice]) else {
-                return sum;
-            };
-            left *= next.weight;
-            came = next.came;
-            direction = next.direction;
-            origin = self.off(&met, direction);
-            bounces += 1;
-            let carried = left.max_element();
-            if bounces > limits.roulette && carried < 1.0 {
-                let chance = carried.clamp(0.05, 0.95);
-                if sampler.one() >= chance {
-                    return sum;
-                }
-                left /= chance;
-            }
-            if carried <= 0.0 || !carried.is_finite() {
-                return sum;
+            Unscattering::Passed { weight } => {
+                path.left *= weight;
+                Arrival::Scattered(local)
             }
         }
     }
 
+    /// Goes on without being scattered.
+    #[inline(always)]
+    fn unscattered(&self, path: &mut Path, met: &Meeting, way: &Unscattered, weight: Vec3) {
+        path.left *= weight;
+        if self.travels {
+            path.left *= self.refracted(&mut path.travel, met, path.direction, way.direction);
+        }
+        path.direction = way.direction;
+        path.origin = self.off(met, way.direction);
+        if way.straight {
+            // The ray goes on as it was: what it meets counts as without the pane.
+            path.panes += 1;
+        } else {
+            path.came = Origin::Alone;
+            path.bounces += 1;
+        }
+    }
+
+    /// Lights a point of a path and goes on from there. Whether it does.
+    #[inline(always)]
+    pub(crate) fn scatter(&self, path: &mut Path, met: &Meeting, local: &Local<'_>, limits: &Limits) -> bool {
+        let [which, choice] = path.sampler.two();
+        let [u, v] = path.sampler.two();
+        let places = self.places(&mut path.sampler);
+        path.sum += path.left
+            * match self.travels {
+                true => self.lit_past_proxy(&path.travel, met, local, which, places),
+                false => self.lit_by_lights(met, local, which, places, 1.0, &Ground::OPEN),
+            };
+        let Some(mut next) = self.scattered(met, local, [u, v, choice]) else {
+            return false;
+        };
+        // What is known of the sky beforehand and what it brings along the path cancel: none of it is left to chance.
+        let veiled = self.veiled(met, local);
+        if veiled {
+            path.sum -= path.left * self.known_of(met, local, &next);
+        }
+        let mut origin = self.off(met, next.direction);
+        if self.travels {
+            let past = self.past_proxy(met, next.direction);
+            origin += past;
+            if let Origin::Drawn { from, .. } = &mut next.came {
+                // Where lights are seen from.
+                *from += past;
+            }
+            path.travel.scattered = true;
+        }
+        let roulette = if veiled { u32::MAX } else { limits.roulette };
+        path.bounce(origin, next, &Limits { roulette, ..*limits })
+    }
+
     /// What a surface emits towards the ray, as far as no other way to draw it counts.
     #[inline(always)]
-    fn emitted(&self, met: &Meeting, direction: Vec3, came: Origin) -> Vec3 {
+    pub(crate) fn emitted(&self, met: &Meeting, direction: Vec3, came: Origin) -> Vec3 {
         let surface = &self.parts.surfaces[met.surface as usize];
         let alone = matches!(came, Origin::Alone);
-        let cos = -met.normal.dot(direction);
+        let mut cos = -met.normal.dot(direction);
+        if let (Some(_), Some(k)) = (self.veil(met.surface), surface.light) {
+            cos = -self.lights.get(k).normal(met.point).dot(direction);
+        }
         if cos <= 0.0 || (alone && surface.concealed) {
             return Vec3::ZERO;
         }
@@ -149,12 +272,10 @@ impl Scene {
         let light = self.lights.get(k);
         let weight = match came {
             Origin::Alone => 1.0,
-            Origin::Drawn { from, pdf } => {
+            Origin::Drawn { from, pdf, draws } => {
                 let distance = from.distance(met.point);
-                balance(
-                    pdf,
-                    self.lights.probability(from, k) * light.pdf(from, distance, cos),
-                )
+                let chance = self.lights.probability(from, k) * light.pdf(from, direction, distance, cos);
+                balance(pdf, draws * chance) * self.spread(k, distance)
             }
         };
         weight * self.emission(k, met.point, met.normal, direction)
@@ -162,16 +283,15 @@ impl Scene {
 
     /// What comes from beyond everything.
     #[inline]
-    fn at_infinity(&self, direction: Vec3, came: Origin) -> Vec3 {
+    pub(crate) fn at_infinity(&self, direction: Vec3, came: Origin) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for (k, light) in self.lights.distant() {
             if light.holds(direction) {
                 let weight = match came {
                     Origin::Alone => 1.0,
-                    Origin::Drawn { from, pdf } => balance(
-                        pdf,
-                        self.lights.probability(from, k) * Light::Distant(light.clone()).pdf(from, 0.0, 1.0),
-                    ),
+                    Origin::Drawn { from, pdf, draws } => {
+                        balance(pdf, draws * self.lights.probability(from, k) * light.pdf())
+                    }
                 };
                 sum += weight * light.radiance;
             }
@@ -179,113 +299,18 @@ impl Scene {
         if let Some(sky) = &self.parts.sky {
             let weight = match came {
                 Origin::Alone => 1.0,
-                Origin::Drawn { pdf, .. } => balance(pdf, sky.pdf(direction)),
+                Origin::Drawn { from, pdf, draws } => {
+                    balance(pdf, draws * self.sky_pdf(sky, from, direction))
+                }
             };
             sum += weight * sky.radiance(direction);
         }
         sum
     }
-
-    /// Light that a point scatters straight from the lights: one of them, and the sky.
-    #[inline(always)]
-    pub(crate) fn lit_by_lights(&self, met: &Meeting, local: &Local<'_>, u: f32, v: [f32; 2]) -> Vec3 {
-        let mut sum = Vec3::ZERO;
-        if !self.lights.is_empty()
-            && let Some((k, chance, _)) = self.lights.choose(met.point, u)
-            && let Some(mut towards) = self.lights.get(k).sample(met.point, v)
-        {
-            towards.pdf *= chance;
-            if self
-                .parts
-                .light_patterns
-                .get(k as usize)
-                .is_some_and(Option::is_some)
-            {
-                let point = met.point + towards.distance * towards.direction;
-                let normal = self.lights.get(k).normal(point);
-                towards.radiance = self.emission(k, point, normal, towards.direction);
-            }
-            sum += self.arriving(met, local, &towards, false);
-        }
-        if let Some(sky) = &self.parts.sky {
-            // The same numbers, turned: the sky and the lights are two integrals.
-            let v = [(v[0] + 0.5).fract(), (v[1] + u).fract()];
-            sum += self.arriving(met, local, &sky.sample(v), true);
-        }
-        sum
-    }
-
-    #[inline(always)]
-    fn arriving(&self, met: &Meeting, local: &Local<'_>, towards: &Towards, from_sky: bool) -> Vec3 {
-        let (f, pdf) = local.eval(towards.direction);
-        if f == Vec3::ZERO || towards.pdf <= 0.0 || towards.radiance == Vec3::ZERO {
-            return Vec3::ZERO;
-        }
-        let pdf = self.with_portals(met.point, towards.direction, pdf);
-        let origin = self.off(met, towards.direction);
-        let (mut direction, mut far) = (towards.direction, towards.distance);
-        if far.is_finite() {
-            // From where the ray begins: moved along with it, its end could lie beyond the light.
-            let way = met.point + far * direction - origin;
-            far = way.length();
-            direction = way / far;
-            // Short of the light itself, by what its place and the point are rounded.
-            far *= 1.0 - 1e-4;
-        }
-        match self.passes(origin, direction, far, from_sky) {
-            Some(left) => f * left * towards.radiance * (balance(towards.pdf, pdf) / towards.pdf),
-            None => Vec3::ZERO,
-        }
-    }
-
-    /// A direction in which the path goes on.
-    #[inline(always)]
-    pub(crate) fn scattered(&self, met: &Meeting, local: &Local<'_>, mut u: [f32; 3]) -> Option<Next> {
-        let portals = &self.parts.portals;
-        if !portals.is_empty() {
-            if u[2] < TO_PORTALS {
-                u[2] /= TO_PORTALS;
-                let direction = self.towards_portal(met.point, u)?;
-                let (f, pdf) = local.eval(direction);
-                let pdf = self.with_portals(met.point, direction, pdf);
-                return (pdf > 0.0 && f != Vec3::ZERO).then_some(Next {
-                    direction,
-                    weight: f / pdf,
-                    came: Origin::Drawn { from: met.point, pdf },
-                });
-            }
-            u[2] = ((u[2] - TO_PORTALS) / (1.0 - TO_PORTALS)).min(0.999_999_94);
-        }
-        let drawn = local.sample(u)?;
-        let pdf = self.with_portals(met.point, drawn.direction, drawn.pdf);
-        Some(Next {
-            direction: drawn.direction,
-            weight: drawn.weight * (drawn.pdf / pdf),
-            came: Origin::Drawn { from: met.point, pdf },
-        })
-    }
-
-    /// The density of a direction when some of them go to the portals.
-    #[inline(always)]
-    fn with_portals(&self, from: Vec3, direction: Vec3, pdf: f32) -> f32 {
-        let portals = &self.parts.portals;
-        if portals.is_empty() {
-            return pdf;
-        }
-        let sum: f32 = portals.iter().map(|p| portal_pdf(p, from, direction)).sum();
-        (1.0 - TO_PORTALS) * pdf + TO_PORTALS * sum / portals.len() as f32
-    }
-
-    fn towards_portal(&self, from: Vec3, u: [f32; 3]) -> Option<Vec3> {
-        let portals = &self.parts.portals;
-        let k = ((u[2] * portals.len() as f32) as usize).min(portals.len() - 1);
-        let [corner, a, b] = portals[k];
-        (corner + u[0] * a + u[1] * b - from).try_normalize()
-    }
 }
 
 /// The choice between unscattered light and the rest.
-enum Unscattering {
+pub(crate) enum Unscattering {
     /// The path follows it.
     Taken { way: Unscattered, weight: Vec3 },
     /// The rest is drawn, and counts more by this.
@@ -294,8 +319,7 @@ enum Unscattering {
 
 impl Unscattering {
     #[inline]
-    fn choose(local: &Local<'_>, sampler: &mut Sampler) -> Self {
-        let ways = local.ideal();
+    pub(crate) fn choose(ways: [Option<Unscattered>; 2], sampler: &mut Sampler) -> Self {
         if ways.iter().all(Option::is_none) {
             return Unscattering::Passed { weight: 1.0 };
         }
@@ -326,21 +350,4 @@ pub(crate) struct Next {
     pub(crate) direction: Vec3,
     pub(crate) weight: Vec3,
     pub(crate) came: Origin,
-}
-
-/// Density per solid angle of a direction to a point drawn evenly from a parallelogram; zero where it misses it.
-fn portal_pdf([corner, a, b]: &[Vec3; 3], from: Vec3, direction: Vec3) -> f32 {
-    let normal = a.cross(*b);
-    let along = normal.dot(direction);
-    if along == 0.0 {
-        return 0.0;
-    }
-    let t = normal.dot(*corner - from) / along;
-    let p = from + t * direction - *corner;
-    let area2 = normal.length_squared();
-    let (u, v) = (p.cross(*b).dot(normal) / area2, a.cross(p).dot(normal) / area2);
-    if t <= 0.0 || !(0.0..=1.0).contains(&u) || !(0.0..=1.0).contains(&v) {
-        return 0.0;
-    }
-    t * t / along.abs()
 }

@@ -12,6 +12,47 @@ pub trait Pattern: Send + Sync {
     fn multiplier(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Vec3;
 }
 
+/// What turns the normal of a surface without moving it.
+pub trait Texture: Send + Sync {
+    /// What is added to the unit normal of the front, at a point and for a ray as of [`Pattern::multiplier`].
+    fn shift(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Vec3;
+}
+
+/// All shifts of a list, added.
+#[derive(Clone)]
+pub struct Shifts(pub Vec<Arc<dyn Texture>>);
+
+impl Texture for Shifts {
+    fn shift(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+        let each = self.0.iter().map(|t| t.shift(point, normal, direction));
+        each.fold(Vec3::ZERO, |a, b| a + b)
+    }
+}
+
+/// How a surface, or a part of a mixture, looks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Layer {
+    /// Index of its material; without meaning for a mixture.
+    pub material: u32,
+    /// Index of the pattern on its material.
+    pub paint: Option<u32>,
+    /// Index of what turns its normal.
+    pub texture: Option<u32>,
+    /// Index of the mixture that it is in place of a material.
+    pub mixture: Option<u32>,
+    /// Index of what turns it about its normal.
+    pub up: Option<u32>,
+}
+
+/// Two looks, added in proportion.
+#[derive(Clone)]
+pub struct Mixture {
+    /// Share of the first, from place to place; its first channel counts, within 0 to 1.
+    pub share: Arc<dyn Pattern>,
+    /// The two; mixtures among them stand before this one.
+    pub layers: [Layer; 2],
+}
+
 /// A pattern on a material.
 #[derive(Clone)]
 pub struct Paint {

@@ -2,14 +2,15 @@
 
 use std::sync::atomic::AtomicBool;
 
+pub use crate::accumulate::{BATCH, Effort, LUMINANCE, Pixel, Report, Round, luminance};
 use glam::Vec3;
 
-pub use crate::accumulate::{BATCH, Effort, LUMINANCE, Pixel, Report, Round, luminance};
 use crate::accumulate::{Draw, accumulate};
 use crate::camera::Camera;
-use crate::path::Limits;
+use crate::path::{Limits, Path};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+use crate::shared::{MEMBERS, Table};
 
 /// A picture: pixels row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +26,7 @@ pub struct Picture {
 }
 
 /// Pixels that one thread takes at a time, on a side.
-const TILE: usize = 16;
+const TILE: usize = 8;
 
 impl Picture {
     /// A picture without samples.
@@ -84,19 +85,57 @@ struct Sight<'a> {
     size: [usize; 2],
 }
 
-impl Draw for Sight<'_> {
+impl Sight<'_> {
     #[inline(always)]
-    fn draw(&self, place: usize, sampler: &mut Sampler) -> Vec3 {
+    fn ray(&self, place: usize, [u, v]: [f32; 2]) -> Option<(Vec3, Vec3)> {
         let [width, height] = self.size;
         let (x, y) = (place % width, place / width);
-        let [u, v] = sampler.two();
-        let at = [
+        self.camera.ray([
             (x as f32 + u) / width as f32,
             1.0 - (y as f32 + v) / height as f32,
-        ];
-        match self.camera.ray(at) {
-            Some((origin, direction)) => self.scene.radiance(origin, direction, &self.limits, sampler),
-            None => Vec3::ZERO,
+        ])
+    }
+}
+
+impl Draw for Sight<'_> {
+    #[inline(always)]
+    fn start(&self, place: usize, mut sampler: Sampler) -> Path {
+        match self.ray(place, sampler.two()) {
+            Some((origin, direction)) => Path::new(origin, direction, sampler),
+            None => Path::dark(sampler),
         }
+    }
+
+    fn scene(&self) -> (&Scene, &Limits) {
+        (self.scene, &self.limits)
+    }
+
+    fn clip(&self) -> Option<&Camera> {
+        self.camera.clips().then_some(self.camera)
+    }
+
+    #[inline(always)]
+    fn shared(&self, places: &[usize], seed: u64, first: u32, sums: &mut [[f64; 3]]) -> bool {
+        if self.scene.travels || self.camera.clips() {
+            // Paths that remember where they were are no one else's.
+            return false;
+        }
+        for (places, sums) in places.chunks(MEMBERS).zip(sums.chunks_mut(MEMBERS)) {
+            for index in first..first + BATCH {
+                let mut table = Table::new(self.scene, &self.limits, seed, places, index);
+                for (k, place) in places.iter().enumerate() {
+                    let mut sampler = Sampler::new(seed, *place as u32, index);
+                    if let Some((origin, direction)) = self.ray(*place, sampler.two()) {
+                        table.look(k, origin, direction, sampler);
+                    }
+                }
+                for (sum, value) in sums.iter_mut().zip(table.finish()) {
+                    for (s, x) in sum.iter_mut().zip(value.to_array()) {
+                        *s += f64::from(x);
+                    }
+                }
+            }
+        }
+        true
     }
 }

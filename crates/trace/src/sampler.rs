@@ -2,15 +2,15 @@
 
 /// Uniform numbers of one sample of one pixel, in pairs of the first two Sobol dimensions; every pair is scrambled and its
 /// order shuffled anew [Burley2020]. The same pixel, sample and seed give the same numbers, on any thread.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     /// The index with its bits in reverse.
     index: u32,
     seed: u32,
-    dimension: u32,
-    state: u64,
-    /// The second number of a pair of which one was asked for.
-    left: Option<f32>,
+    /// Pairs taken.
+    pub(crate) taken: u32,
+    /// What the numbers of later pairs hang on.
+    key: u32,
 }
 
 impl Sampler {
@@ -21,52 +21,72 @@ impl Sampler {
         Sampler {
             index: index.reverse_bits(),
             seed,
-            dimension: 0,
-            state: (u64::from(seed) << 32 | u64::from(hash(index ^ seed)))
-                .wrapping_mul(0x9e37_79b9_7f4a_7c15),
-            left: None,
+            taken: 0,
+            key: hash(hash(index).wrapping_add(seed)),
         }
     }
 
-    /// The next number, in `[0, 1)`.
+    /// Numbers that have nothing to do with those still to come.
+    #[inline(always)]
+    pub(crate) fn forked(&self) -> Self {
+        Sampler {
+            seed: hash(self.seed ^ self.taken.wrapping_mul(0xc2b2_ae35)),
+            key: hash(self.key ^ self.taken.wrapping_mul(0x27d4_eb2f)),
+            ..*self
+        }
+    }
+
+    /// The next number, in `[0, 1)`: the first of a pair.
     #[inline(always)]
     pub fn one(&mut self) -> f32 {
-        if let Some(second) = self.left.take() {
-            return second;
-        }
-        let [first, second] = self.two();
-        self.left = Some(second);
-        first
+        self.two()[0]
     }
 
     /// The next two numbers, stratified together.
     #[inline(always)]
     pub fn two(&mut self) -> [f32; 2] {
-        if self.dimension >= EVEN_PAIRS {
-            // Of later dimensions, evenness does little for the picture: a plain generator, a multiplication a number.
-            return [self.random(), self.random()];
-        }
-        self.pair()
+        let k = self.taken;
+        self.taken += 1;
+        self.pair(k)
     }
 
-    #[inline]
-    fn pair(&mut self) -> [f32; 2] {
-        let seed = hash(self.seed ^ self.dimension.wrapping_mul(0x85eb_ca6b));
-        self.dimension += 1;
+    /// Pair `k`.
+    #[inline(always)]
+    pub(crate) fn pair(&self, k: u32) -> [f32; 2] {
+        if k < EVEN_PAIRS {
+            self.even(k)
+        } else {
+            self.random(k)
+        }
+    }
+
+    /// Pair `k` of a scrambled Sobol sequence.
+    #[inline(always)]
+    pub(crate) fn even(&self, k: u32) -> [f32; 2] {
+        let seed = hash(self.seed ^ k.wrapping_mul(0x85eb_ca6b));
         let index = scramble(self.index, seed).reverse_bits();
         [
             unit(scramble(index, seed.wrapping_mul(0x9e37_79b9) ^ 0x1234_5678).reverse_bits()),
             unit(scramble(second(index), seed.wrapping_mul(0x85eb_ca77) ^ 0x9abc_def1).reverse_bits()),
         ]
     }
+
+    /// Pair `k` of numbers that have nothing to do with those of other samples: words that step on evenly, mixed
+    /// [SteeleLeaFlood2014, with words of 32 bits].
+    #[inline(always)]
+    pub(crate) fn random(&self, k: u32) -> [f32; 2] {
+        let first = self.key.wrapping_add((2 * k).wrapping_mul(0x9e37_79b9));
+        [unit(hash(first)), unit(hash(first.wrapping_add(0x9e37_79b9)))]
+    }
 }
 
-/// Pairs of dimensions of Sobol points, before random numbers begin: the pixel and the first scattering.
-const EVEN_PAIRS: u32 = 4;
+/// Pairs of dimensions of Sobol points, before random numbers begin, as evenness of later ones does little for the
+/// picture: the pixel and the first scattering.
+pub(crate) const EVEN_PAIRS: u32 = 4;
 
 /// The second Sobol dimension before its bits are reversed: bit `i` is the sum of the bits of all indices that hold those
 /// of `i`, by Pascal's triangle modulo 2 [Sobol1967].
-#[inline]
+#[inline(always)]
 fn second(mut x: u32) -> u32 {
     x ^= x >> 16;
     x ^= (x >> 8) & 0x00ff_00ff;
@@ -77,7 +97,7 @@ fn second(mut x: u32) -> u32 {
 
 /// Owen's scrambling of a number whose bits are in reverse: each bit is changed by those below it only
 /// [LaineKarras2011; constants of Burley2020].
-#[inline]
+#[inline(always)]
 fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -87,7 +107,7 @@ fn scramble(mut x: u32, seed: u32) -> u32 {
 }
 
 /// A well mixed word.
-#[inline]
+#[inline(always)]
 pub(crate) fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);
@@ -96,20 +116,7 @@ pub(crate) fn hash(mut x: u32) -> u32 {
     x ^ (x >> 15)
 }
 
-impl Sampler {
-    /// The next number of a permuted congruential generator of 64 bits of state [ONeill2014, XSH RR].
-    #[inline]
-    fn random(&mut self) -> f32 {
-        let old = self.state;
-        self.state = old
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let word = (((old >> 18) ^ old) >> 27) as u32;
-        unit(word.rotate_right((old >> 59) as u32))
-    }
-}
-
-#[inline]
+#[inline(always)]
 fn unit(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::accumulate::{Draw, Effort, Pixel, Report, Round, accumulate};
 use crate::material::{Local, Material};
-use crate::path::Limits;
+use crate::path::{Limits, Path};
 use crate::sampler::Sampler;
 use crate::scene::{Meeting, Scene};
 
@@ -32,11 +32,15 @@ impl Scene {
     /// radiance `E / pi`; the lights are drawn as from any other surface, the paths begin with a cosine-weighted direction
     /// or go to the portals. The sensor counts as the first surface of the paths: with one bounce only light straight from
     /// the sources counts, with `n + 1` what RADIANCE's `rtrace -I -ab n` follows.
-    #[inline(always)]
     pub fn irradiance(&self, sensor: &Sensor, limits: &Limits, sampler: &mut Sampler) -> Vec3 {
-        if limits.bounces == 0 {
-            return Vec3::ZERO;
-        }
+        let mut path = [self.leave_sensor(sensor, limits, *sampler)];
+        self.follow(&mut path, limits);
+        *sampler = path[0].sampler;
+        path[0].sum
+    }
+
+    #[inline(always)]
+    fn leave_sensor(&self, sensor: &Sensor, limits: &Limits, sampler: Sampler) -> Path {
         let white = Material::Diffuse {
             reflectance: Vec3::splat(std::f32::consts::PI),
         };
@@ -44,19 +48,15 @@ impl Scene {
             distance: 0.0,
             point: sensor.point,
             normal: sensor.normal,
-            surface: 0,
+            smooth: sensor.normal,
+            surface: u32::MAX,
         };
+        let mut path = Path::new(sensor.point, -sensor.normal, sampler);
         let local = Local::new(&white, sensor.normal, sensor.normal);
-        let u = sampler.one();
-        let v = sampler.two();
-        let mut sum = self.lit_by_lights(&met, &local, u, v);
-        let choice = sampler.one();
-        let u = sampler.two();
-        if let Some(next) = self.scattered(&met, &local, [u[0], u[1], choice]) {
-            let origin = self.off(&met, next.direction);
-            sum += self.follow(origin, next, 1, limits, sampler);
+        if limits.bounces == 0 || !self.scatter(&mut path, &met, &local, limits) {
+            path.left = Vec3::ZERO;
         }
-        sum
+        path
     }
 }
 
@@ -120,7 +120,16 @@ struct Field<'a> {
 
 impl Draw for Field<'_> {
     #[inline(always)]
-    fn draw(&self, place: usize, sampler: &mut Sampler) -> Vec3 {
-        self.scene.irradiance(&self.sensors[place], &self.limits, sampler)
+    fn start(&self, place: usize, sampler: Sampler) -> Path {
+        self.scene
+            .leave_sensor(&self.sensors[place], &self.limits, sampler)
+    }
+
+    fn scene(&self) -> (&Scene, &Limits) {
+        (self.scene, &self.limits)
+    }
+
+    fn shared(&self, _places: &[usize], _seed: u64, _first: u32, _sums: &mut [[f64; 3]]) -> bool {
+        false
     }
 }

@@ -86,6 +86,7 @@ pub fn view() -> View {
         vertical: 24.0,
         shift: [0.0; 2],
         fore: 0.0,
+        aft: 0.0,
     }
 }
 

@@ -57,17 +57,60 @@ impl Frame {
 }
 
 /// A direction about `z` with density `cos / pi`.
-#[inline]
+#[inline(always)]
 pub(crate) fn cosine_weighted([u, v]: [f32; 2]) -> Vec3 {
-    let (r, (s, c)) = (u.sqrt(), (std::f32::consts::TAU * v).sin_cos());
+    let (r, [c, s]) = (u.sqrt(), on_circle(v));
     Vec3::new(r * c, r * s, (1.0 - u).max(0.0).sqrt())
 }
 
 /// A direction about `z` within a cone, evenly over the solid angle `2 pi (1 - cos)`.
-#[inline]
+#[inline(always)]
 pub(crate) fn in_cone(one_minus_cos: f32, [u, v]: [f32; 2]) -> Vec3 {
     let drop = u * one_minus_cos;
     let sin = (drop * (2.0 - drop)).max(0.0).sqrt();
-    let (s, c) = (std::f32::consts::TAU * v).sin_cos();
+    let [c, s] = on_circle(v);
     Vec3::new(sin * c, sin * s, 1.0 - drop)
+}
+
+/// Cosine and sine of a whole turn times `v` in `[0, 1]`, within 1e-7: Taylor's polynomials over an eighth of a turn to
+/// either side of each axis. Without a branch, for loops over many.
+#[inline(always)]
+fn on_circle(v: f32) -> [f32; 2] {
+    let quarter = (4.0 * v + 0.5).floor();
+    let x = (v - 0.25 * quarter) * std::f32::consts::TAU;
+    let y = x * x;
+    let sin = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0))));
+    let cos = 1.0 + y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40320.0))));
+    let odd = (quarter == 1.0) | (quarter == 3.0);
+    let (a, b) = if odd { (sin, cos) } else { (cos, sin) };
+    [
+        if (quarter == 1.0) | (quarter == 2.0) {
+            -a
+        } else {
+            a
+        },
+        if (quarter == 2.0) | (quarter == 3.0) {
+            -b
+        } else {
+            b
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_circle_is_round_to_single_precision() {
+        for k in 0..=100_000 {
+            let v = k as f32 / 100_000.0;
+            let (s, c) = (std::f64::consts::TAU * f64::from(v)).sin_cos();
+            let [x, y] = on_circle(v);
+            assert!(
+                (f64::from(x) - c).abs() < 4e-7 && (f64::from(y) - s).abs() < 4e-7,
+                "{v}: {x} {c} {y} {s}"
+            );
+        }
+    }
 }

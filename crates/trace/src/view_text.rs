@@ -20,7 +20,7 @@ impl fmt::Display for View {
         let (p, d, u) = (self.point, self.direction, self.up);
         write!(
             f,
-            "-vt{letter} -vp {} {} {} -vd {} {} {} -vu {} {} {} -vh {} -vv {} -vo {} -va 0 -vs {} -vl {}",
+            "-vt{letter} -vp {} {} {} -vd {} {} {} -vu {} {} {} -vh {} -vv {} -vo {} -va {} -vs {} -vl {}",
             p.x,
             p.y,
             p.z,
@@ -33,6 +33,7 @@ impl fmt::Display for View {
             self.horizontal,
             self.vertical,
             self.fore,
+            self.aft,
             self.shift[0],
             self.shift[1]
         )

@@ -21,6 +21,7 @@ fn effort(samples: u32, relative_error: Option<f64>) -> Effort {
         relative_error,
         limits: Limits::default(),
         seed: 5,
+        share: true,
     }
 }
 
@@ -267,5 +268,19 @@ fn a_picture_that_was_stopped_again_and_again_ends_as_one_that_was_not() {
             at_once.render(&scene, &camera, &more, &AtomicBool::new(false), &|_| {});
             assert!(pieces.pixels == at_once.pixels);
         }
+    }
+}
+
+#[test]
+fn one_seed_gives_one_reading_of_a_single_sensor_on_any_number_of_threads() {
+    let (scene, _) = ball();
+    let sensor = Sensor::new(Vec3::new(0.5, 0.5, 0.1), Vec3::Z).unwrap();
+    for effort in [effort(9_008, None), effort(1 << 14, Some(1e-3))] {
+        let readings: Vec<Readings> = [1, 2, 7]
+            .into_iter()
+            .map(|threads| on_threads(threads, || measure(&scene, sensor, &effort)))
+            .collect();
+        assert!(readings[0].pixels[0].count >= 9_008);
+        assert!(readings[1] == readings[0] && readings[2] == readings[0]);
     }
 }

@@ -7,7 +7,9 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::{Boundable, BvhBuildParams};
 
+use super::few::pairs;
 use super::forest::Forest;
+use super::group::Few;
 use super::memory::settled;
 use super::node::{LEAF, NONE, Node, Packet, WIDTH};
 use super::traverse::STACK;
@@ -32,6 +34,7 @@ pub(super) fn build(triangles: &Triangles<'_>) -> Bvh {
             packets: Vec::new(),
             root: 0,
             extent: 0.0,
+            few: None,
         };
     }
     let settings = BvhBuildParams {
@@ -49,6 +52,7 @@ pub(super) fn build(triangles: &Triangles<'_>) -> Bvh {
         packets: settled(packets),
         root,
         extent: whole.min.abs().max(whole.max.abs()).max_element(),
+        few: pairs(triangles).map(Few::new),
     }
 }
 

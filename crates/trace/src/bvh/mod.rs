@@ -6,15 +6,22 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod build;
+#[cfg(target_arch = "x86_64")]
+mod bundle;
+mod few;
 mod forest;
+mod group;
 mod memory;
 mod node;
 mod ray;
 mod traverse;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 pub use ray::{Hit, Ray};
 
-use node::{Node, Packet, Portable};
+use crate::lanes::{LANES, Rays};
+use node::{NONE, Node, Packet, Portable};
 
 /// Triangles by index.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +49,21 @@ impl Triangles<'_> {
     }
 }
 
+/// Distance and index of the nearest triangles of rays.
+pub(crate) struct Nearest {
+    t: [f32; LANES],
+    /// [`NONE`] where there is none.
+    triangle: [u32; LANES],
+}
+
+impl Nearest {
+    /// Of ray `k`.
+    #[inline(always)]
+    pub(crate) fn get(&self, k: usize) -> Option<(f32, u32)> {
+        (self.triangle[k] != NONE).then(|| (self.t[k], self.triangle[k]))
+    }
+}
+
 /// A hierarchy of triangles.
 pub struct Bvh {
     nodes: Vec<Node>,
@@ -49,6 +71,8 @@ pub struct Bvh {
     root: u32,
     /// Largest coordinate.
     extent: f32,
+    /// The triangles, where they are few.
+    few: Option<group::Few>,
 }
 
 impl Bvh {
@@ -82,6 +106,57 @@ impl Bvh {
     /// Bytes of memory.
     pub fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.packets.as_slice())
+    }
+
+    /// Whether the two functions for many rays do better than those for one.
+    #[inline]
+    pub(crate) fn takes_many(&self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        return self.few.is_some() && has_avx2();
+        #[cfg(not(target_arch = "x86_64"))]
+        false
+    }
+
+    /// The nearest triangles of the first `count` rays, whose frames are known.
+    #[inline]
+    pub(crate) fn closest_of_many(&self, rays: &Rays, count: usize) -> Nearest {
+        let mut out = Nearest {
+            t: [0.0; LANES],
+            triangle: [NONE; LANES],
+        };
+        #[cfg(target_arch = "x86_64")]
+        if let Some(few) = &self.few {
+            // SAFETY: the processor has the instructions.
+            if is_x86_feature_detected!("avx512f") {
+                unsafe { bundle::closest_by_16(few, rays, count, &mut out) };
+                return out;
+            } else if has_avx2() {
+                unsafe { bundle::closest_by_8(few, rays, count, &mut out) };
+                return out;
+            }
+        }
+        for k in 0..count {
+            if let Some(hit) = self.closest(&rays.get(k)) {
+                out.t[k] = hit.t;
+                out.triangle[k] = hit.triangle;
+            }
+        }
+        out
+    }
+
+    /// Bit mask of the first `count` rays, whose frames are known, that meet a triangle.
+    #[inline]
+    pub(crate) fn occluded_of_many(&self, rays: &Rays, count: usize) -> u64 {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(few) = &self.few {
+            // SAFETY: the processor has the instructions.
+            if is_x86_feature_detected!("avx512f") {
+                return unsafe { bundle::occluded_by_16(few, rays, count) };
+            } else if has_avx2() {
+                return unsafe { bundle::occluded_by_8(few, rays, count) };
+            }
+        }
+        (0..count).fold(0, |all, k| all | (u64::from(self.occluded(&rays.get(k))) << k))
     }
 
     /// The nearest triangle between `t_min` and `t_max` of the ray.
@@ -128,3 +203,5 @@ unsafe fn occluded_avx2(bvh: &Bvh, ray: &Ray) -> bool {
 
 #[cfg(test)]
 mod tests;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests_many;

@@ -3,26 +3,26 @@ use rand_pcg::Pcg64;
 
 use super::*;
 
-struct Mesh {
+pub(super) struct Mesh {
     vertices: Vec<[f32; 3]>,
-    indices: Vec<[u32; 3]>,
+    pub(super) indices: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    fn triangles(&self) -> Triangles<'_> {
+    pub(super) fn triangles(&self) -> Triangles<'_> {
         Triangles {
             vertices: &self.vertices,
             indices: &self.indices,
         }
     }
 
-    fn bvh(&self) -> Bvh {
+    pub(super) fn bvh(&self) -> Bvh {
         Bvh::new(&self.triangles())
     }
 }
 
 /// Triangles of random places and sizes.
-fn soup(n: usize, seed: u64) -> Mesh {
+pub(super) fn soup(n: usize, seed: u64) -> Mesh {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut mesh = Mesh {
         vertices: Vec::new(),
@@ -41,7 +41,7 @@ fn soup(n: usize, seed: u64) -> Mesh {
 }
 
 /// A closed surface: a displaced sphere of `rings` rings, shared vertices.
-fn closed(rings: u32) -> Mesh {
+pub(super) fn closed(rings: u32) -> Mesh {
     let around = 2 * rings;
     let point = |i: u32, j: u32| {
         let theta = std::f32::consts::PI * i as f32 / rings as f32;
@@ -78,7 +78,7 @@ fn closed(rings: u32) -> Mesh {
     mesh
 }
 
-fn random_ray(rng: &mut Pcg64) -> Ray {
+pub(super) fn random_ray(rng: &mut Pcg64) -> Ray {
     let v = |rng: &mut Pcg64| std::array::from_fn(|_| rng.random_range(-1.5..1.5));
     Ray::new(v(rng), v(rng))
 }

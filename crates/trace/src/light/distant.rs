@@ -27,6 +27,16 @@ impl Distant {
         })
     }
 
+    /// Its middle.
+    pub(crate) fn towards(&self) -> Vec3 {
+        self.frame.z
+    }
+
+    /// Sine of its half angle.
+    pub(crate) fn sin(&self) -> f32 {
+        (self.one_minus_cos * (2.0 - self.one_minus_cos)).sqrt()
+    }
+
     /// Whether a unit direction lies in it.
     #[inline]
     pub(crate) fn holds(&self, direction: Vec3) -> bool {
@@ -45,7 +55,7 @@ impl Distant {
     }
 
     #[inline]
-    pub(super) fn pdf(&self) -> f32 {
+    pub(crate) fn pdf(&self) -> f32 {
         1.0 / (std::f32::consts::TAU * self.one_minus_cos)
     }
 

@@ -45,17 +45,26 @@ impl Flat {
         })
     }
 
-    pub(super) fn normal(&self) -> Vec3 {
+    pub(crate) fn normal(&self) -> Vec3 {
         self.normal
+    }
+
+    pub(crate) fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// A point drawn evenly from it.
+    #[inline(always)]
+    pub(crate) fn place(&self, u: [f32; 2]) -> Vec3 {
+        match self.parallelogram {
+            Some([corner, a, b]) => corner + u[0] * a + u[1] * b,
+            None => self.point(u),
+        }
     }
 
     #[inline(always)]
     pub(super) fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<Towards> {
-        let point = match self.parallelogram {
-            Some([corner, a, b]) => corner + u[0] * a + u[1] * b,
-            None => self.point(u),
-        };
-        let way = point - from;
+        let way = self.place(u) - from;
         let distance2 = way.length_squared();
         let cos_distance = -self.normal.dot(way);
         if cos_distance <= 0.0 {
@@ -92,6 +101,9 @@ impl Flat {
     #[inline]
     pub(super) fn weight(&self, from: Vec3) -> f32 {
         let way = self.centre - from;
+        if self.normal.dot(way) >= 0.0 {
+            return 0.0;
+        }
         let area = self.area;
         self.radiance.max_element() * area / (way.length_squared() + area)
     }

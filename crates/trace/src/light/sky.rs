@@ -72,26 +72,30 @@ impl Sky {
         (self.emission)(d)
     }
 
-    /// Draws a direction.
-    pub(crate) fn sample(&self, [u, v]: [f32; 2]) -> Towards {
-        let total = self.rows[ROWS - 1];
-        let d = if u < EVEN || total <= 0.0 {
-            direction((u / EVEN).fract(), v)
-        } else {
-            let u = (u - EVEN) / (1.0 - EVEN);
-            let (row, down) = pick(&self.rows, v);
-            let (column, along) = pick(&self.columns[row * COLUMNS..(row + 1) * COLUMNS], u);
-            direction(
-                (column as f32 + along) / COLUMNS as f32,
-                (row as f32 + down) / ROWS as f32,
-            )
-        };
+    /// Draws a direction; its radiance is asked for when nothing is in the way.
+    pub(crate) fn sample(&self, u: [f32; 2]) -> Towards {
+        let direction = self.direction(u);
         Towards {
-            direction: d,
+            direction,
             distance: f32::INFINITY,
-            radiance: self.radiance(d),
-            pdf: self.pdf(d),
+            radiance: Vec3::ONE,
+            pdf: self.pdf(direction),
         }
+    }
+
+    /// The direction of two uniform numbers.
+    pub(crate) fn direction(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let total = self.rows[ROWS - 1];
+        if u < EVEN || total <= 0.0 {
+            return direction((u / EVEN).fract(), v);
+        }
+        let u = (u - EVEN) / (1.0 - EVEN);
+        let (row, down) = pick(&self.rows, v);
+        let (column, along) = pick(&self.columns[row * COLUMNS..(row + 1) * COLUMNS], u);
+        direction(
+            (column as f32 + along) / COLUMNS as f32,
+            (row as f32 + down) / ROWS as f32,
+        )
     }
 
     /// Density per solid angle of a unit direction.

@@ -41,9 +41,10 @@ impl Ball {
         let distance = way.length();
         let local = in_cone(cone, u);
         let direction = Frame::about(way / distance).world(local);
-        // The near one of the two points: as far as the tangent and less.
+        // The near one of the two points: as far as the tangent and less. Off the axis by the sine: of a small sphere, the
+        // difference of two squares would be rounding, and its rim lie in its own shadow.
         let along = distance * local.z;
-        let aside2 = (distance * distance - along * along).max(0.0);
+        let aside2 = distance * distance * (local.x * local.x + local.y * local.y);
         Some(Towards {
             direction,
             distance: along - (self.radius * self.radius - aside2).max(0.0).sqrt(),
