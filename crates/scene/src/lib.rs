@@ -8,6 +8,7 @@ pub mod mesh;
 pub mod sky;
 pub mod text;
 pub mod view;
+pub mod yaml;
 
-pub use assemble::{Loaded, read};
+pub use assemble::{Loaded, read, read_with};
 pub use error::{Place, SceneError, Warning};

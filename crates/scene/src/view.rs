@@ -18,6 +18,7 @@ pub const STANDARD: View = View {
     vertical: 45.0,
     shift: [0.0; 2],
     fore: 0.0,
+    aft: 0.0,
 };
 
 /// Programs whose command lines are views in files.
@@ -145,14 +146,7 @@ fn options(view: &mut View, words: &[&str], strict: bool) -> Result<(), Wrong> {
                 1
             }
             "-va" => {
-                let aft = number(0)?;
-                if aft != 0.0 {
-                    return Err((
-                        option.to_string(),
-                        aft.to_string(),
-                        "0: nothing is cut off behind".into(),
-                    ));
-                }
+                view.aft = number(0)?;
                 1
             }
             _ => {
@@ -196,15 +190,15 @@ mod tests {
     #[test]
     fn options_set_every_part_of_a_view() {
         let v =
-            of("-vta -vp 1 2 3 -vd 0 0 -1 -vu 0 1 0 -vh 180 -vv 170 -vs .5 -vl -.25 -vo 2 -va 0").unwrap();
+            of("-vta -vp 1 2 3 -vd 0 0 -1 -vu 0 1 0 -vh 180 -vv 170 -vs .5 -vl -.25 -vo 2 -va 7").unwrap();
         assert_eq!(v.projection, Projection::Angular);
         assert_eq!(
             (v.point, v.direction, v.up),
             (Vec3::new(1., 2., 3.), -Vec3::Z, Vec3::Y)
         );
         assert_eq!(
-            (v.horizontal, v.vertical, v.shift, v.fore),
-            (180.0, 170.0, [0.5, -0.25], 2.0)
+            (v.horizontal, v.vertical, v.shift, v.fore, v.aft),
+            (180.0, 170.0, [0.5, -0.25], 2.0, 7.0)
         );
     }
 
@@ -233,7 +227,8 @@ mod tests {
             ("-vp 1 2", "-vp: found the end"),
             ("-vh x", "-vh: found \"x\""),
             ("-vtq", "-vt: found \"q\""),
-            ("-va 3", "-va: found 3"),
+            ("-va -3", "(-va): found -3"),
+            ("-vo 4 -va 3", "(-va): found 3"),
             ("-x 5", "found \"-x\""),
             ("-vh nan", "-vh"),
             ("-vd 0 0 1", "-vu"),

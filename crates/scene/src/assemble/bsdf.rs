@@ -3,14 +3,28 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::Vec3;
 use gonio_bsdf::{Bsdf, Channel};
 use gonio_io::radiance_xml::{self, Tabulated};
 use gonio_io::rgl;
 use gonio_trace::material::Material;
 
 use super::Assembly;
-use super::material::{Body0, direction};
+use super::field::Field;
+use super::material::{Body0, Pane};
+use super::measured::{Diffuse, Measured};
+use super::through::Table;
+use super::up::Up;
 use crate::error::{Place, SceneError};
+use crate::text::Xform;
+
+/// A file that has been read.
+#[derive(Clone)]
+pub(super) struct File {
+    model: Arc<dyn Bsdf>,
+    /// The same, if it is made of cells.
+    table: Option<Table>,
+}
 
 impl Assembly<'_> {
     pub(super) fn bsdf(
@@ -18,60 +32,100 @@ impl Assembly<'_> {
         type_word: &str,
         strings: &[String],
         reals: &[f64],
+        patterned: bool,
         place: &Place,
     ) -> Result<Body0, SceneError> {
         let usage = "thickness file ux uy uz function-file transform… (no thickness for aBSDF)";
         let wrong = |found: String| place.fault("string arguments", found, usage);
-        let mut rest = strings;
+        let (mut rest, mut proxy) = (strings, 0.0);
         if type_word == "BSDF" {
             let [thickness, after @ ..] = strings else {
                 return Err(wrong("none".into()));
             };
-            if thickness.parse::<f64>().ok() != Some(0.0) {
-                return Err(place.fault(
-                    "thickness",
-                    format!("{thickness:?}"),
-                    "0: geometry behind a proxy is not shown yet",
-                ));
-            }
+            proxy = self.thickness(thickness, after.get(4..).unwrap_or_default(), reals, place)?;
             rest = after;
         }
         let [file, up @ ..] = rest else {
             return Err(wrong(format!("{} words", strings.len())));
         };
-        if !reals.is_empty() {
-            return Err(place.fault(
-                "real arguments",
-                reals.len().to_string(),
-                "0: diffuse parts beside those of the file are not added yet",
-            ));
-        }
-        let up = direction(up, place)?.as_vec3();
+        let diffuse = diffuse(reals, place)?;
+        let up = Up::read(up, reals, place, self.files)?;
         let path = self.files.find(file, place)?;
-        let model = match self.materials.files.get(&path) {
-            Some(model) => model.clone(),
+        let File { model, table } = match self.materials.files.get(&path) {
+            Some(file) => file.clone(),
             None => {
-                let model = load(&path, place)?;
-                self.materials.files.insert(path, model.clone());
-                model
+                let file = match self.foreign(&path, place)? {
+                    Some(model) => File { model, table: None },
+                    None => load(&path, place)?,
+                };
+                self.materials.files.insert(path, file.clone());
+                file
             }
         };
-        if type_word == "aBSDF" {
-            self.warn(
-                place,
-                "light that comes straight through stays spread over the cells of the table",
-            );
-        }
+        let bare = patterned.then(|| Measured::gloss(model.clone(), table.as_ref()));
+        let through = table.filter(|_| type_word == "aBSDF");
+        let model = match through.is_some() || diffuse.iter().flatten().any(|d| *d > 0.0) {
+            true => Arc::new(Measured::new(model, diffuse, through)),
+            false => model,
+        };
         Ok(Body0 {
-            material: Material::model(model, Some(up)),
-            bare: None,
-            pane: true,
+            bare,
+            pane: Some(Pane::Scattering),
+            up: up.clone().field(),
+            proxy: proxy as f32,
+            ..Body0::from(Material::model(model, up.fixed()))
         })
+    }
+
+    /// The thickness of a `BSDF`: a number, or a function whose value does not depend on the place; the transform scales it.
+    fn thickness(
+        &self,
+        text: &str,
+        after: &[String],
+        reals: &[f64],
+        place: &Place,
+    ) -> Result<f64, SceneError> {
+        let [file, transform @ ..] = after else {
+            return Ok(0.0);
+        };
+        let value = match text.parse::<f64>() {
+            Ok(value) => value,
+            Err(_) => {
+                let mut words = vec![text.to_owned(), file.clone()];
+                words.extend_from_slice(transform);
+                let field = Field::function(&words, reals, 1, place, self.files)?;
+                field.values(Vec3::ZERO, Vec3::Z, Vec3::NEG_Z).0[0]
+            }
+        };
+        let (xform, _) = Xform::parse(transform).map_err(|(f, a)| place.fault("transform", f, a))?;
+        let value = value * xform.scale.abs();
+        if !(value as f32).is_finite() {
+            return Err(place.fault("thickness", text, "a finite length"));
+        }
+        // As thin as RADIANCE calls none.
+        Ok(if value.abs() <= 1e-6 { 0.0 } else { value })
     }
 }
 
+/// Diffuse parts beside those of the file.
+fn diffuse(reals: &[f64], place: &Place) -> Result<Diffuse, SceneError> {
+    let (parts, rest) = reals.as_chunks::<3>();
+    if !rest.is_empty() || parts.len() > 3 {
+        return Err(place.fault(
+            "real arguments",
+            reals.len().to_string(),
+            "0, 3, 6 or 9: diffuse reflectance of the front, of the back, diffuse transmittance",
+        ));
+    }
+    if let Some(bad) = reals.iter().find(|d| !(0.0..=1.0).contains(*d)) {
+        return Err(place.fault("diffuse part", bad.to_string(), "0 to 1"));
+    }
+    let part = |k: usize| parts.get(k).copied().unwrap_or_default();
+    Ok([part(0), part(1), part(2)])
+}
+
 /// The model of a file: Klems matrices and tensor trees in XML, RGL materials.
-fn load(path: &Path, place: &Place) -> Result<Arc<dyn Bsdf>, SceneError> {
+fn load(path: &Path, place: &Place) -> Result<File, SceneError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("xml") => {
@@ -87,16 +141,23 @@ fn load(path: &Path, place: &Place) -> Result<Arc<dyn Bsdf>, SceneError> {
                     )
                 })?
             };
-            Ok(match radiance_xml::read(path, channel)?.model {
-                Tabulated::Klems(k) => Arc::new(k),
-                Tabulated::TensorTree(t) => Arc::new(t),
+            let table = match radiance_xml::read(path, channel)?.model {
+                Tabulated::Klems(k) => Table::Klems(Arc::new(k)),
+                Tabulated::TensorTree(t) => Table::Tree(Arc::new(t)),
+            };
+            Ok(File {
+                model: table.model(),
+                table: Some(table),
             })
         }
         Some("bsdf") => {
             let model = rgl::read(path)?.model;
             let n = model.channels().len();
             if n == 1 || n == 3 {
-                return Ok(Arc::new(model));
+                return Ok(File {
+                    model: Arc::new(model),
+                    table: None,
+                });
             }
             Err(place.fault(
                 "BSDF",

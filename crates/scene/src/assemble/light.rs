@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use gonio_io::radiance_material::{Body, VOID};
 use gonio_trace::light::{Ball, Flat, Light};
 use gonio_trace::pattern::{Cone, Pattern, Product};
@@ -31,6 +31,8 @@ pub(super) struct Emission {
     /// What an illum looks like.
     pub(super) alternate: Option<String>,
     pub(super) cone: Option<Cone>,
+    /// How far behind the surface the light of a spotlight seems to come from.
+    pub(super) focus: f32,
     pub(super) pattern: Option<Arc<dyn Pattern>>,
 }
 
@@ -74,15 +76,13 @@ pub(super) fn emission(body: &Body, place: &Place) -> Result<Option<Emission>, S
             format!("at most {most}"),
         ));
     }
-    if let Some(bad) = reals[..3].iter().find(|v| **v < 0.0 || !(**v as f32).is_finite()) {
-        return Err(place.fault("red green blue", bad.to_string(), "radiance of at least 0"));
+    // Above this, products of single precision have no value.
+    if let Some(bad) = reals[..3].iter().find(|v| !(0.0..=1e18).contains(*v)) {
+        return Err(place.fault("red green blue", bad.to_string(), "radiance from 0 to 1e18"));
     }
     let cone = match kind {
         Kind::Spot => {
-            let axis = DVec3::new(reals[4], reals[5], reals[6]).as_vec3().try_normalize();
-            let Some(axis) = axis else {
-                return Err(place.fault("direction", "0 0 0", "a direction that is not zero"));
-            };
+            let axis = super::surface::direction(reals, 4, "direction", place)?;
             if !(reals[3] > 0.0 && reals[3] <= 360.0) {
                 return Err(place.fault("angle", reals[3].to_string(), "above 0 and up to 360 degrees"));
             }
@@ -104,6 +104,10 @@ pub(super) fn emission(body: &Body, place: &Place) -> Result<Option<Emission>, S
         },
         alternate,
         cone,
+        focus: match kind {
+            Kind::Spot => glam::DVec3::new(reals[4], reals[5], reals[6]).length() as f32,
+            _ => 0.0,
+        },
         pattern: None,
     }))
 }
@@ -140,6 +144,10 @@ impl Assembly<'_> {
         let mut surface = gonio_trace::scene::Surface {
             material: look.material.unwrap_or(0),
             paint: look.paint,
+            texture: look.texture,
+            mixture: look.mixture,
+            up: look.up,
+            body: look.body,
             concealed: emission.kind == Kind::Illum,
             ..Default::default()
         };
@@ -147,6 +155,10 @@ impl Assembly<'_> {
             Some(light) if emission.kind != Kind::Shown => {
                 let k = self.parts.lights.len();
                 self.parts.lights.push(light);
+                if emission.focus > 0.0 {
+                    self.parts.light_focus.resize(k, 0.0);
+                    self.parts.light_focus.push(emission.focus);
+                }
                 if let Some(pattern) = emission.patterns() {
                     self.parts.light_patterns.resize(k, None);
                     self.parts.light_patterns.push(Some(pattern));

@@ -1,23 +1,36 @@
 //! Items become what `gonio_trace` renders.
 
 mod bsdf;
+mod field;
+mod function;
 mod grid;
+mod image;
 mod light;
 mod material;
+mod measured;
 mod mesh;
+mod mixture;
+mod model_file;
 mod modifier;
 mod pattern;
 mod polygon;
 mod portal;
 mod sky;
 mod surface;
+mod through;
+mod up;
 
+use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use gonio_trace::camera::View;
 use gonio_trace::scene::Parts;
 
-use crate::error::{SceneError, Warning};
+use crate::error::{Place, SceneError, Warning};
+use crate::mesh::Mesh;
 use crate::text::{self, Entry, Files};
+use crate::yaml;
 
 use modifier::Modifiers;
 
@@ -27,9 +40,12 @@ pub struct Loaded {
     pub parts: Parts,
     /// What is read otherwise than it stands in the text.
     pub warnings: Vec<Warning>,
+    /// The view that the scene names; RADIANCE text names none.
+    pub view: Option<View>,
 }
 
-/// The scene of these files of RADIANCE text, one after the other as `oconv` takes them: what one names the next may use.
+/// The scene of these files, one after the other as `oconv` takes them: RADIANCE text, or YAML by its ending. What one names the
+/// next may use.
 /// Files that they name are looked for beside the file that names them, then in the folders `search`.
 ///
 /// # Errors
@@ -38,14 +54,34 @@ pub struct Loaded {
 pub fn read(paths: &[PathBuf], search: &[PathBuf]) -> Result<Loaded, SceneError> {
     let files = Files {
         search: search.to_vec(),
+        ..Files::default()
     };
-    let mut assembly = Assembly::new(&files);
+    read_with(paths, &files)
+}
+
+/// [`read`], `files` finds what the files name.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(paths: &[PathBuf], files: &Files) -> Result<Loaded, SceneError> {
+    let mut assembly = Assembly::new(files);
+    let mut view = None;
     for path in paths {
-        for entry in text::read(path, &files)? {
+        let entries = if yaml::is_yaml(path) {
+            let scene = yaml::read(path, files)?;
+            view = scene.view.or(view);
+            scene.entries
+        } else {
+            text::read(path, files)?
+        };
+        for entry in entries {
             assembly.add(entry)?;
         }
     }
-    Ok(assembly.finish())
+    Ok(Loaded {
+        view,
+        ..assembly.finish()
+    })
 }
 
 /// The scene of items that have been read; `files` finds what they name.
@@ -68,8 +104,11 @@ struct Assembly<'a> {
     modifiers: Modifiers,
     materials: material::Materials,
     sky: sky::Heaven,
-    /// Parallelograms that light comes in through.
-    openings: Vec<[glam::Vec3; 3]>,
+    /// Parallelograms that light comes in through, clear and scattering.
+    portals: Vec<[glam::Vec3; 3]>,
+    screens: Vec<[glam::Vec3; 3]>,
+    /// Meshes of files.
+    meshes: HashMap<PathBuf, Arc<Mesh>>,
 }
 
 impl<'a> Assembly<'a> {
@@ -81,11 +120,13 @@ impl<'a> Assembly<'a> {
             modifiers: Modifiers::default(),
             materials: material::Materials::default(),
             sky: sky::Heaven::default(),
-            openings: Vec::new(),
+            portals: Vec::new(),
+            screens: Vec::new(),
+            meshes: HashMap::new(),
         }
     }
 
-    fn warn(&mut self, place: &crate::Place, text: impl Into<String>) {
+    fn warn(&mut self, place: &Place, text: impl Into<String>) {
         self.warnings.push(Warning {
             place: place.clone(),
             text: text.into(),
@@ -99,14 +140,34 @@ impl<'a> Assembly<'a> {
         }
     }
 
+    /// Refuses more triangles than memory and indices hold; lights are counted by what they take.
+    fn room(&self, more: usize, place: &Place) -> Result<(), SceneError> {
+        const MOST: usize = 1 << 26;
+        let flat = self.parts.triangles.len().max(self.parts.vertices.len() / 3);
+        let all = flat + self.parts.shapes.len() + 8 * self.parts.lights.len();
+        if all.saturating_add(more) <= MOST {
+            return Ok(());
+        }
+        Err(place.fault(
+            "surfaces",
+            format!(
+                "{} triangles in all, lights counted eight times",
+                all.saturating_add(more)
+            ),
+            format!("at most {MOST}"),
+        ))
+    }
+
     fn finish(mut self) -> Loaded {
         self.parts.sky = self.sky.finish();
         if self.parts.sky.is_some() {
-            self.parts.portals = self.openings;
+            self.parts.portals = self.portals;
+            self.parts.screens = self.screens;
         }
         Loaded {
             parts: self.parts,
             warnings: self.warnings,
+            view: None,
         }
     }
 }

@@ -30,6 +30,9 @@ pub(super) enum Class {
     Unknown,
 }
 
+/// Patterns and textures behind a surface, at most.
+const MOST: usize = 64;
+
 /// All modifiers so far; a name means the last one above.
 #[derive(Debug, Default)]
 pub(super) struct Modifiers {
@@ -57,9 +60,29 @@ impl Modifiers {
         }
     }
 
+    /// The modifier of this name that stands above modifier `k`, `None` for [`VOID`].
+    pub(super) fn find_above(
+        &self,
+        k: usize,
+        name: &str,
+        field: &str,
+        place: &Place,
+    ) -> Result<Option<usize>, SceneError> {
+        match self.all[..k].iter().rposition(|m| m.id == name) {
+            Some(found) => Ok(Some(found)),
+            None if name == VOID => Ok(None),
+            None => Err(place.fault(
+                field,
+                format!("{name:?}"),
+                "void or the name of a modifier that stands above",
+            )),
+        }
+    }
+
     pub(super) fn define(&mut self, entry: Entry) -> Result<(), SceneError> {
         let Entry { item, place } = entry;
-        let (body, parent) = match &item.body {
+        // What an alias names stands where it stands: its arguments, and the files beside it.
+        let (body, parent, place) = match &item.body {
             Body::Alias(of) => {
                 let Some(target) = self.find(of, "alias", &place)? else {
                     return Err(place.fault(
@@ -74,11 +97,11 @@ impl Modifiers {
                 } else {
                     self.find(&item.modifier, "modifier", &place)?
                 };
-                (target.body.clone(), parent)
+                (target.body.clone(), parent, target.place.clone())
             }
             _ => {
                 let parent = self.find(&item.modifier, "modifier", &place)?;
-                (Arc::new(item.body), parent)
+                (Arc::new(item.body), parent, place)
             }
         };
         self.names.insert(item.id.clone(), self.all.len());
@@ -106,6 +129,13 @@ impl Modifiers {
                     ));
                 }
                 Class::Material => chain.material = Some(k),
+                Class::Pattern | Class::Texture if chain.patterns.len() + chain.textures.len() >= MOST => {
+                    return Err(modifier.place.fault(
+                        "modifier",
+                        format!("{:?}, one more pattern or texture", modifier.id),
+                        format!("at most {MOST} behind a surface"),
+                    ));
+                }
                 Class::Pattern => chain.patterns.push(k),
                 Class::Texture => chain.textures.push(k),
                 Class::Unknown => {
@@ -143,7 +173,9 @@ fn class(body: &Body) -> Class {
         Body::Material(_) => Class::Material,
         Body::Alias(_) => Class::Unknown,
         Body::Other { type_word, .. } => match type_word.as_str() {
-            "light" | "illum" | "glow" | "spotlight" | "BSDF" | "aBSDF" => Class::Material,
+            "light" | "illum" | "glow" | "spotlight" | "BSDF" | "aBSDF" | "interface" | "mixfunc"
+            | "mixdata" | "mixpict" | "mixtext" => Class::Material,
+            word if super::function::TYPES.contains(&word) => Class::Material,
             "brightfunc" | "colorfunc" | "brightdata" | "colordata" | "brighttext" | "colortext"
             | "colorpict" => Class::Pattern,
             "texfunc" | "texdata" => Class::Texture,

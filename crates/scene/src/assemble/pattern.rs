@@ -1,116 +1,91 @@
-//! Patterns: functions of place and direction [Radiance, rt/p_func.c, rt/p_data.c, rt/func.c].
+//! Patterns: functions of place and direction [Radiance, rt/p_func.c, rt/p_data.c].
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use gonio_io::radiance_material::Body;
 use gonio_io::read_bytes;
-use gonio_trace::pattern::Pattern;
+use gonio_trace::pattern::{Pattern, Texture};
 
-use super::grid::Grid;
+use super::field::Field;
 use super::modifier::{Modifier, type_word};
-use crate::cal::{self, CalError, Expression, Point, Program};
 use crate::error::{Place, SceneError};
-use crate::text::{Files, Xform};
+use crate::sky::cie::CieSky;
+use crate::sky::perez::PerezSky;
+use crate::text::Files;
 
-/// Where a function lies in the world.
-#[derive(Clone, Copy)]
-struct Seat {
-    inverse: DAffine3,
-    scale: f64,
-}
+/// A factor by functions or data; one value is grey, negative ones count as 0.
+struct Coloured(Field);
 
-impl Seat {
-    fn of(transform: &[String], place: &Place) -> Result<Self, SceneError> {
-        let (xform, used) = Xform::parse(transform).map_err(|(f, a)| place.fault("transform", f, a))?;
-        if let Some(word) = transform.get(used) {
-            return Err(place.fault("transform", format!("{word:?}"), "options of xform"));
-        }
-        Ok(Seat {
-            inverse: xform.matrix.inverse(),
-            scale: xform.scale.abs(),
-        })
-    }
-
-    fn point(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Point {
-        let turned = |v: DVec3| (self.inverse.transform_vector3(v) * self.scale).to_array();
-        let normal_here = turned(normal.as_dvec3());
-        let rdot = -f64::from(normal.dot(direction));
-        Point {
-            direction: turned(direction.as_dvec3()),
-            normal: normal_here,
-            position: self.inverse.transform_point3(point.as_dvec3()).to_array(),
-            rdot,
-            scale: 1.0 / self.scale,
-            origin: self.inverse.transform_point3(DVec3::ZERO).to_array(),
-            axes: [DVec3::X, DVec3::Y, DVec3::Z].map(turned),
-            perturbed_normal: normal_here,
-            perturbed_rdot: rdot,
-            ..Point::default()
-        }
-    }
-}
-
-/// `brightfunc` and `colorfunc`.
-struct Function {
-    values: Vec<Expression>,
-    reals: Vec<f64>,
-    seat: Seat,
-}
-
-impl Pattern for Function {
+impl Pattern for Coloured {
     fn multiplier(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-        let at = self.seat.point(point, normal, direction);
-        spread(
-            self.values
-                .iter()
-                .map(|e| e.evaluate(&at, &self.reals).unwrap_or(0.0)),
-        )
+        let (values, n) = self.0.values(point, normal, direction);
+        let values = Vec3::from(values.map(|v| v.max(0.0) as f32));
+        if n == 1 { Vec3::splat(values.x) } else { values }
     }
 }
 
-/// `brightdata` and `colordata`.
-struct Data {
-    grids: Vec<Arc<Grid>>,
-    coordinates: Vec<Expression>,
-    /// Of the interpolated value, which follows the real arguments as one more.
-    functions: Vec<Expression>,
-    reals: Vec<f64>,
-    seat: Seat,
-}
+/// A normal turned by functions or data, which have the axes of the transform.
+struct Turned(Field);
 
-impl Pattern for Data {
-    fn multiplier(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-        let at = self.seat.point(point, normal, direction);
-        let mut arguments = self.reals.clone();
-        let place: Vec<f64> = self
-            .coordinates
-            .iter()
-            .map(|e| e.evaluate(&at, &arguments).unwrap_or(0.0))
-            .collect();
-        // Of three functions each gets the values of all grids.
-        arguments.extend(self.grids.iter().map(|g| g.value(&place)));
-        spread(
-            self.functions
-                .iter()
-                .map(|e| e.evaluate(&at, &arguments).unwrap_or(0.0)),
-        )
+impl Texture for Turned {
+    fn shift(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+        let (values, _) = self.0.values(point, normal, direction);
+        self.0.seat().world(DVec3::from(values)).as_vec3()
     }
 }
 
-/// One value as grey or three as a colour, without negative ones.
-fn spread(values: impl Iterator<Item = f64>) -> Vec3 {
-    let mut out = [0.0_f32; 3];
-    let mut n = 0;
-    for (slot, v) in out.iter_mut().zip(values) {
-        *slot = v.max(0.0) as f32;
-        n += 1;
+/// A sky whose formula comes with gonio, without the interpreter: it is asked for at every turn.
+struct Shipped(Arc<dyn Fn([f64; 3]) -> f64 + Send + Sync>);
+
+impl Pattern for Shipped {
+    fn multiplier(&self, _point: Vec3, _normal: Vec3, direction: Vec3) -> Vec3 {
+        Vec3::splat((self.0)(direction.as_dvec3().to_array()).max(0.0) as f32)
     }
-    if n == 1 {
-        Vec3::splat(out[0])
-    } else {
-        Vec3::from(out)
+}
+
+/// The sky that one of the shipped function files stands for, or that of RADIANCE with the same name.
+fn shipped_sky(
+    file: &str,
+    name: &str,
+    reals: &[f64],
+    place: &Place,
+    files: &Files,
+) -> Result<Option<Shipped>, SceneError> {
+    let radiance = |digest: u64| -> Result<bool, SceneError> {
+        match files.find(file, place) {
+            Ok(path) => Ok(digest_of(&read_bytes(&path)?) == digest),
+            Err(_) => Ok(true),
+        }
+    };
+    Ok(match (file, name) {
+        ("perezlum.cal", "skybright") if radiance(PEREZLUM)? => {
+            PerezSky::of_pattern(reals).map(|s| Shipped(Arc::new(move |d| s.radiance(d))))
+        }
+        ("skybright.cal", "skybr") if radiance(SKYBRIGHT)? => {
+            CieSky::of_pattern(reals).map(|s| Shipped(Arc::new(move |d| s.radiance(d))))
+        }
+        _ => None,
+    })
+}
+
+/// Digests of the files of RADIANCE, unchanged since 2018 and 2003; others of the same names are interpreted.
+const PEREZLUM: u64 = 0x224e_ff54_4dbd_073a;
+const SKYBRIGHT: u64 = 0x8398_9d0c_93b9_92d4;
+
+/// FNV-1a of a function file without comments and white space.
+fn digest_of(text: &[u8]) -> u64 {
+    let mut depth = 0_u32;
+    let mut digest = 0xcbf2_9ce4_8422_2325_u64;
+    for byte in text {
+        match byte {
+            b'{' => depth += 1,
+            b'}' => depth = depth.saturating_sub(1),
+            _ if depth > 0 || byte.is_ascii_whitespace() => {}
+            _ => digest = (digest ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3),
+        }
     }
+    digest
 }
 
 /// The pattern of a modifier.
@@ -120,135 +95,70 @@ pub(super) fn pattern(modifier: &Modifier, files: &Files) -> Result<Arc<dyn Patt
     let Body::Other { strings, reals, .. } = &*modifier.body else {
         return Err(place.fault("type", word, "a pattern"));
     };
-    match word {
-        "brightfunc" => function(strings, reals, 1, place, files),
-        "colorfunc" => function(strings, reals, 3, place, files),
-        "brightdata" => data(strings, reals, 1, place, files),
-        "colordata" => data(strings, reals, 3, place, files),
+    if let ("brightfunc", [name, file]) = (word, strings.as_slice())
+        && let Some(sky) = shipped_sky(file, name, reals, place, files)?
+    {
+        return Ok(Arc::new(sky));
+    }
+    let field = match word {
+        "brightfunc" => Field::function(strings, reals, 1, place, files),
+        "colorfunc" => Field::function(strings, reals, 3, place, files),
+        "brightdata" => Field::data(strings, reals, 1, place, files),
+        "colordata" => Field::data(strings, reals, 3, place, files),
+        "colorpict" => Field::picture(strings, reals, 3, place, files),
         _ => Err(place.fault(
             "type",
             word,
-            "brightfunc, colorfunc, brightdata, colordata: pictures and text as patterns are not rendered, and without \
-             them the scene would look otherwise",
+            "brightfunc, colorfunc, brightdata, colordata, colorpict: text as a pattern is not rendered, and without it the \
+             scene would look otherwise",
         )),
-    }
-}
-
-fn function(
-    strings: &[String],
-    reals: &[f64],
-    channels: usize,
-    place: &Place,
-    files: &Files,
-) -> Result<Arc<dyn Pattern>, SceneError> {
-    let few = || {
-        let found = strings.len().to_string();
-        place.fault(
-            "string arguments",
-            found,
-            format!("{channels} values, a function file, a transform"),
-        )
     };
-    let (values, rest) = strings.split_at_checked(channels).ok_or_else(few)?;
-    let (file, transform) = rest.split_first().ok_or_else(few)?;
-    let program = program(file, place, files)?;
-    let values = expressions(&program, values, place)?;
-    check(&values, reals, place)?;
-    Ok(Arc::new(Function {
-        values,
-        reals: reals.to_vec(),
-        seat: Seat::of(transform, place)?,
-    }))
+    Ok(Arc::new(Coloured(field?)))
 }
 
-fn data(
-    strings: &[String],
-    reals: &[f64],
-    channels: usize,
-    place: &Place,
-    files: &Files,
-) -> Result<Arc<dyn Pattern>, SceneError> {
-    let few = || {
-        place.fault(
-            "string arguments",
-            strings.len().to_string(),
-            format!("{channels} functions, {channels} data files, a function file, a coordinate for each dimension, a transform"),
-        )
-    };
-    let (functions, rest) = strings.split_at_checked(channels).ok_or_else(few)?;
-    let (names, rest) = rest.split_at_checked(channels).ok_or_else(few)?;
-    let (file, rest) = rest.split_first().ok_or_else(few)?;
-    let grids = names
-        .iter()
-        .map(|name| Ok(Arc::new(Grid::read(&files.find(name, place)?)?)))
-        .collect::<Result<Vec<_>, SceneError>>()?;
-    let dimensions = grids[0].dimensions();
-    if let Some(k) = grids.iter().position(|g| g.dimensions() != dimensions) {
-        return Err(place.fault(
-            "data file",
-            format!("{:?} of {} dimensions", names[k], grids[k].dimensions()),
-            format!("{dimensions}, as the first"),
-        ));
-    }
-    let (coordinates, transform) = rest.split_at_checked(dimensions).ok_or_else(few)?;
-    let program = program(file, place, files)?;
-    let coordinates = expressions(&program, coordinates, place)?;
-    check(&coordinates, reals, place)?;
-    // A function of one value takes that of its grid, one of three takes all [Radiance, rt/p_data.c].
-    let first = reals.len() + 1;
-    let mut made = Vec::with_capacity(channels);
-    for (k, name) in functions.iter().enumerate() {
-        let one = format!("{name}(arg({}))", first + k);
-        let all = format!("{name}(arg({first}),arg({}),arg({}))", first + 1, first + 2);
-        let tried = match channels {
-            1 => program.expression(&one),
-            _ => program.expression(&all).or_else(|_| program.expression(&one)),
-        };
-        made.push(tried.map_err(|e| fault(e, place))?);
-    }
-    let mut arguments = reals.to_vec();
-    arguments.extend(std::iter::repeat_n(0.0, channels));
-    check(&made, &arguments, place)?;
-    Ok(Arc::new(Data {
-        grids,
-        coordinates,
-        functions: made,
-        reals: reals.to_vec(),
-        seat: Seat::of(transform, place)?,
-    }))
-}
-
-/// The function file of this name: that of the scene, or one that comes with gonio; `.` is none.
-fn program(name: &str, place: &Place, files: &Files) -> Result<Program, SceneError> {
-    if name == "." {
-        return Program::parse("", ".").map_err(|e| fault(e, place));
-    }
-    let text = match files.find(name, place) {
-        Ok(path) => {
-            let bytes = read_bytes(&path)?;
-            String::from_utf8_lossy(&bytes).into_owned()
+/// The texture of a modifier.
+pub(super) fn texture(modifier: &Modifier, files: &Files) -> Result<Arc<dyn Texture>, SceneError> {
+    let place = &modifier.place;
+    let word = type_word(&modifier.body);
+    let field = match &*modifier.body {
+        Body::Other { strings, reals, .. } if word == "texfunc" => {
+            Field::function(strings, reals, 3, place, files)
         }
-        Err(missing) => cal::shipped(name).ok_or(missing)?.to_owned(),
+        Body::Other { strings, reals, .. } => Field::data(strings, reals, 3, place, files),
+        _ => Err(place.fault("type", word, "texfunc, texdata")),
     };
-    Program::parse(&text, name).map_err(|e| fault(e, place))
+    Ok(Arc::new(Turned(field?)))
 }
 
-fn expressions(program: &Program, texts: &[String], place: &Place) -> Result<Vec<Expression>, SceneError> {
-    let each = texts
-        .iter()
-        .map(|t| program.expression(t).map_err(|e| fault(e, place)));
-    each.collect()
+/// The share of the first part of a mixture; `strings` follow the two names.
+pub(super) fn share(
+    modifier: &Modifier,
+    strings: &[String],
+    files: &Files,
+) -> Result<Arc<dyn Pattern>, SceneError> {
+    let place = &modifier.place;
+    let word = type_word(&modifier.body);
+    let field = match &*modifier.body {
+        Body::Other { reals, .. } if word == "mixfunc" => Field::function(strings, reals, 1, place, files),
+        Body::Other { reals, .. } if word == "mixdata" => Field::data(strings, reals, 1, place, files),
+        Body::Other { reals, .. } if word == "mixpict" => Field::picture(strings, reals, 1, place, files),
+        _ => Err(place.fault("type", word, "mixfunc, mixdata, mixpict: text is not rendered")),
+    };
+    Ok(Arc::new(Coloured(field?)))
 }
 
-/// That a value exists somewhere: too few real arguments show at once.
-fn check(all: &[Expression], reals: &[f64], place: &Place) -> Result<(), SceneError> {
-    for e in all {
-        e.evaluate(&Point::default(), reals)
-            .map_err(|e| fault(e, place))?;
+#[cfg(test)]
+mod tests {
+    use super::digest_of;
+
+    #[test]
+    fn digests_of_function_files_see_neither_comments_nor_white_space() {
+        let plain = digest_of(b"a=b+1;c(x)=x;");
+        assert_eq!(
+            digest_of(b"{ of { what } it says }\na = b + 1 ;\r\n c(x) = x;\t"),
+            plain
+        );
+        assert_ne!(digest_of(b"a=b+2;c(x)=x;"), plain);
+        assert_eq!(digest_of(b""), 0xcbf2_9ce4_8422_2325);
     }
-    Ok(())
-}
-
-fn fault(error: CalError, place: &Place) -> SceneError {
-    place.fault("function", error.to_string(), "a function that can be evaluated")
 }

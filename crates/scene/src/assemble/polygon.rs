@@ -4,7 +4,7 @@ use earcut::Earcut;
 use glam::{DVec3, Vec3};
 
 use super::Assembly;
-use super::material::Look;
+use super::material::{Look, Pane};
 use crate::error::{Place, SceneError};
 
 /// A polygon in its plane.
@@ -103,12 +103,8 @@ impl Assembly<'_> {
             .iter()
             .map(|c| DVec3::from_array(*c))
             .collect();
-        if let Some(bad) = corners.iter().find(|c| !c.as_vec3().is_finite()) {
-            return Err(place.fault(
-                "coordinates",
-                bad.to_string(),
-                "finite numbers of single precision",
-            ));
+        for corner in &corners {
+            super::surface::placed(*corner, place)?;
         }
         let Some(face) = Face::new(corners) else {
             self.warn(place, "polygon without area: left out");
@@ -153,8 +149,13 @@ impl Assembly<'_> {
                 None => return Ok(()),
             },
         };
-        if look.pane {
-            self.openings.extend(super::portal::parallelogram(&points));
+        let openings = match look.pane {
+            Some(Pane::Clear) => Some(&mut self.portals),
+            Some(Pane::Scattering) => Some(&mut self.screens),
+            None => None,
+        };
+        if let Some(openings) = openings {
+            openings.extend(super::portal::parallelogram(&points));
         }
         self.push_indexed(&points, &triangles, surface);
         Ok(())

@@ -35,14 +35,35 @@ pub(super) fn arguments(entry: &Entry) -> Option<Arguments<'_>> {
     }
 }
 
+/// Largest coordinate: squares of areas stay within single precision.
+const FARTHEST: f64 = 1e9;
+/// Smallest radius and length: so do squares of them.
+const LEAST: f32 = 1e-15;
+
+/// A point of the scene.
+pub(super) fn placed(p: DVec3, place: &Place) -> Result<Vec3, SceneError> {
+    // What is not a number fails as well.
+    if p.abs().max_element() <= FARTHEST && p.is_finite() {
+        return Ok(p.as_vec3());
+    }
+    let found = format!("{} {} {}", p.x, p.y, p.z);
+    Err(place.fault("coordinates", found, "numbers from -1e9 to 1e9"))
+}
+
 /// The three numbers from `k` on as a point of the scene.
 fn point(reals: &[f64], k: usize, place: &Place) -> Result<Vec3, SceneError> {
-    let p = DVec3::new(reals[k], reals[k + 1], reals[k + 2]).as_vec3();
-    if p.is_finite() {
-        return Ok(p);
-    }
-    let found = format!("{} {} {}", reals[k], reals[k + 1], reals[k + 2]);
-    Err(place.fault("coordinates", found, "finite numbers of single precision"))
+    placed(DVec3::new(reals[k], reals[k + 1], reals[k + 2]), place)
+}
+
+/// The three numbers from `k` on as a direction.
+pub(super) fn direction(reals: &[f64], k: usize, field: &str, place: &Place) -> Result<Vec3, SceneError> {
+    let d = DVec3::new(reals[k], reals[k + 1], reals[k + 2]);
+    // By its largest component first: squares have their limits as well.
+    let unit = (d / d.abs().max_element()).try_normalize();
+    unit.map(|u| u.as_vec3()).ok_or_else(|| {
+        let found = format!("{} {} {}", d.x, d.y, d.z);
+        place.fault(field, found, "a direction that is not zero")
+    })
 }
 
 impl Assembly<'_> {
@@ -53,6 +74,8 @@ impl Assembly<'_> {
             reals,
         } = arguments;
         let place = &entry.place;
+        // A luminous bubble is the most of a single item.
+        self.room(reals.len().max(1 << 14), place)?;
         let modifier = self.modifiers.find(&entry.item.modifier, "modifier", place)?;
         if type_word == "mesh" || type_word == "instance" {
             return self.mesh(type_word, strings, modifier, place);
@@ -78,7 +101,7 @@ impl Assembly<'_> {
         match type_word {
             "polygon" => self.polygon(reals, look, place),
             "source" => {
-                let direction = point(reals, 0, place)?;
+                let direction = direction(reals, 0, "direction", place)?;
                 self.source(direction, reals[3], look.map(|l| l.0), place)
             }
             _ => self.curved(type_word, reals, look, place),
@@ -98,8 +121,9 @@ impl Assembly<'_> {
                 if radius < 0.0 {
                     self.warn(place, "negative radius: turned inside out");
                 }
-                if radius == 0.0 || !radius.is_finite() {
-                    return Err(place.fault("radius", reals[3].to_string(), "a radius that is not zero"));
+                if !(LEAST..=FARTHEST as f32).contains(&radius.abs()) {
+                    let allowed = "a radius that is not zero, up to 1e9";
+                    return Err(place.fault("radius", reals[3].to_string(), allowed));
                 }
                 Shape::Sphere {
                     centre: point(reals, 0, place)?,
@@ -108,18 +132,16 @@ impl Assembly<'_> {
                 }
             }
             "ring" => {
-                let Some(normal) = point(reals, 3, place)?.try_normalize() else {
-                    return Err(place.fault("normal", "0 0 0", "a direction that is not zero"));
-                };
+                let normal = direction(reals, 3, "normal", place)?;
                 let mut radii = [reals[6] as f32, reals[7] as f32];
                 if radii[0] > radii[1] {
                     radii.reverse();
                 }
-                if !(radii[0] >= 0.0 && radii[1] > radii[0] && radii[1].is_finite()) {
+                if !(radii[0] >= 0.0 && radii[1] > radii[0].max(LEAST) && radii[1] <= FARTHEST as f32) {
                     return Err(place.fault(
                         "radii",
                         format!("{} {}", reals[6], reals[7]),
-                        "two different ones of at least 0",
+                        "two different ones from 0 to 1e9",
                     ));
                 }
                 Shape::Ring {
@@ -137,11 +159,13 @@ impl Assembly<'_> {
                     radii = radii.map(f32::abs);
                     inward = !inward;
                 }
-                if radii.iter().any(|r| *r < 0.0 || !r.is_finite()) || radii == [0.0; 2] {
+                let sizes = 0.0..=FARTHEST as f32;
+                if radii.iter().any(|r| !sizes.contains(r)) || radii.iter().all(|r| *r < LEAST) {
                     let found: Vec<String> = reals[6..].iter().map(f64::to_string).collect();
-                    return Err(place.fault("radius", found.join(" "), "radii of at least 0, not all zero"));
+                    let allowed = "radii from 0 to 1e9, not all zero";
+                    return Err(place.fault("radius", found.join(" "), allowed));
                 }
-                if from == to {
+                if from.distance(to) < LEAST {
                     if radii[0] == radii[1] {
                         return Err(place.fault("ends", "no length", "two different points"));
                     }
@@ -208,6 +232,11 @@ impl Assembly<'_> {
         let surface = self.push_surface(Surface {
             material,
             paint: look.paint,
+            texture: look.texture,
+            mixture: look.mixture,
+            up: look.up,
+            body: look.body,
+            proxy: look.proxy,
             ..Surface::default()
         });
         self.materials.share(modifier, surface);

@@ -106,7 +106,7 @@ impl Builtin {
             Builtin::Erf => libm::erf(x),
             Builtin::Erfc => libm::erfc(x),
             Builtin::Rand => rand(x),
-            Builtin::Noise3 => noise::noise3(point)[3],
+            Builtin::Noise3 => noise::perlin(point),
             Builtin::Noise3X => noise::noise3(point)[0],
             Builtin::Noise3Y => noise::noise3(point)[1],
             Builtin::Noise3Z => noise::noise3(point)[2],

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::builtin::Builtin;
 use super::resolve::{Definitions, Node};
-use super::{CalError, MAX_DEPTH, MAX_STEPS, Point};
+use super::{CalError, MAX_DEPTH, MAX_STEPS, MAX_UNENDING, Point};
 
 /// Variables, and arguments of a call, whose values are kept.
 const KEPT_VARIABLES: usize = 64;
@@ -60,7 +60,16 @@ pub(super) fn value(
         depth: Cell::new(0),
     };
     let file = || definitions.file.clone();
-    match run.value(node, None) {
+    let unending = &definitions.counters.unending;
+    let found = if unending.load(Ordering::Relaxed) < MAX_UNENDING {
+        run.value(node, None)
+    } else {
+        Err(Stop::Work)
+    };
+    if matches!(found, Err(Stop::Work)) {
+        unending.fetch_add(1, Ordering::Relaxed);
+    }
+    match found {
         Ok(value) => Ok(run.finite(value, &definitions.counters.domains)),
         Err(Stop::Depth | Stop::Unchecked) => Err(CalError::Depth {
             file: file(),

@@ -40,6 +40,8 @@ const MAX_NESTING: usize = 100;
 const MAX_DEPTH: u32 = 1000;
 /// Steps of one evaluation: every number, name, operator and call counts.
 const MAX_STEPS: u32 = 1_000_000;
+/// Evaluations of a program that may meet that limit; after them none is tried, as each takes a hundredth of a second.
+const MAX_UNENDING: u64 = 16;
 
 /// What every file may use beside the functions of the language.
 const LIBRARY: &str = include_str!("library.cal");
@@ -67,6 +69,8 @@ pub struct Faults {
 
 #[derive(Debug, Default)]
 struct Counters {
+    /// Evaluations that took too many steps.
+    unending: AtomicU64,
     divisions: AtomicU64,
     powers: AtomicU64,
     domains: AtomicU64,
@@ -152,7 +156,8 @@ impl Expression {
     /// The value at a point, with the real arguments of the primitive (`A1` is the first). Always finite.
     ///
     /// # Errors
-    /// [`CalError::MissingArgument`], [`CalError::NotAFunction`], [`CalError::Depth`] or [`CalError::Work`].
+    /// [`CalError::MissingArgument`], [`CalError::NotAFunction`], [`CalError::Depth`] or [`CalError::Work`]; that at once
+    /// for all expressions of a program after 16 evaluations.
     pub fn evaluate(&self, point: &Point, arguments: &[f64]) -> Result<f64, CalError> {
         evaluate::value(&self.definitions, &self.node, point, arguments)
     }

@@ -1,6 +1,5 @@
-//! Noise on the integer lattice: Perlin's, by Hermite interpolation of a value and a gradient a lattice point, and the
-//! fractal one. The lattice values are those of RADIANCE's program before its release 6 [Radiance]; that one has others, so a
-//! noisy pattern has the same character there and not the same grain.
+//! Noise on the integer lattice: Perlin's improved one, which is 0 at lattice points and has slopes there, and the fractal one of
+//! RADIANCE, as its release 6 has it [Radiance, rt/noise3.c].
 
 /// A number in (-1, 1] from an integer.
 fn hashed(seed: i64) -> f64 {
@@ -11,14 +10,13 @@ fn hashed(seed: i64) -> f64 {
     1.0 - (mixed & 0x7fff_ffff) as f64 / 1_073_741_824.0
 }
 
-/// A number from a lattice point, each of the three weights its own.
-fn lattice(point: [i64; 3], weights: [i64; 3]) -> f64 {
-    let seed = (0..3).fold(0i64, |sum, k| sum.wrapping_add(weights[k].wrapping_mul(point[k])));
+/// A number from a lattice point.
+fn lattice(point: [i64; 3]) -> f64 {
+    let seed = (0..3).fold(0i64, |sum, k| {
+        sum.wrapping_add([17_i64, 23, 29][k].wrapping_mul(point[k]))
+    });
     hashed(seed)
 }
-
-/// Weights of the gradient's three components and of the value.
-const WEIGHTS: [[i64; 3]; 4] = [[67, 59, 71], [73, 79, 83], [89, 97, 101], [103, 107, 109]];
 
 /// Hermite interpolation between values `p0`, `p1` with slopes `r0`, `r1`.
 pub(super) fn hermite(p0: f64, p1: f64, r0: f64, r1: f64, t: f64) -> f64 {
@@ -28,27 +26,76 @@ pub(super) fn hermite(p0: f64, p1: f64, r0: f64, r1: f64, t: f64) -> f64 {
         + r1 * (t - 1.0) * t * t
 }
 
-/// Perlin's noise: the interpolated gradient's x, y, z and the value.
+/// Perlin's noise [Perlin2002] at a point and its slopes along x, y and z, each over the last [`STEP`] as RADIANCE takes them:
+/// `[x, y, z, value]`.
 pub(super) fn noise3(p: [f64; 3]) -> [f64; 4] {
-    let base = p.map(|x| x.floor() as i64);
-    let mut corners: [[f64; 4]; 8] = std::array::from_fn(|j| {
-        let corner = std::array::from_fn(|k| base[k].wrapping_add((j >> k & 1) as i64));
-        WEIGHTS.map(|weights| lattice(corner, weights))
+    let value = perlin(p);
+    let slope = |axis: usize| {
+        let mut before = p;
+        before[axis] -= STEP;
+        (value - perlin(before)) / STEP
+    };
+    [slope(0), slope(1), slope(2), value]
+}
+
+/// The value alone.
+pub(super) fn perlin(p: [f64; 3]) -> f64 {
+    let base = p.map(f64::floor);
+    let within: [f64; 3] = std::array::from_fn(|k| p[k] - base[k]);
+    let cell = base.map(|x| x.rem_euclid(256.0) as usize);
+    // The corner of three bits: bit 0 is x, bit 1 y, bit 2 z.
+    let mut corners: [f64; 8] = std::array::from_fn(|j| {
+        let step = |k: usize| j >> k & 1;
+        let hash = (0..3).fold(0, |hash, k| shuffled(hash + cell[k] + step(k)));
+        slanted(hash, std::array::from_fn(|k| within[k] - step(k) as f64))
     });
-    for axis in 0..3 {
-        let t = p[axis] - p[axis].floor();
+    for (axis, t) in within.into_iter().enumerate() {
+        let eased = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
         for pair in 0..4 >> axis {
             let (low, high) = (corners[2 * pair], corners[2 * pair + 1]);
-            let mut joined: [f64; 4] = std::array::from_fn(|k| hermite(low[k], high[k], 0.0, 0.0, t));
-            joined[3] = hermite(low[3], high[3], low[axis], high[axis], t);
-            corners[pair] = joined;
+            corners[pair] = low + eased * (high - low);
         }
     }
     corners[0]
 }
 
+/// A slope in one of the twelve directions from the middle of a cube to its edges, at a place.
+fn slanted(hash: usize, [x, y, z]: [f64; 3]) -> f64 {
+    let h = hash & 15;
+    let u = if h < 8 { x } else { y };
+    let v = match h {
+        0..=3 => y,
+        12 | 14 => x,
+        _ => z,
+    };
+    (if h & 1 == 0 { u } else { -u }) + (if h & 2 == 0 { v } else { -v })
+}
+
+fn shuffled(k: usize) -> usize {
+    usize::from(SHUFFLED[k & 255])
+}
+
+/// The numbers from 0 to 255 in the order of [Perlin2002].
+#[rustfmt::skip]
+const SHUFFLED: [u8; 256] = [
+    151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225, 140, 36, 103, 30, 69, 142, 8, 99,
+    37, 240, 21, 10, 23, 190, 6, 148, 247, 120, 234, 75, 0, 26, 197, 62, 94, 252, 219, 203, 117, 35, 11, 32,
+    57, 177, 33, 88, 237, 149, 56, 87, 174, 20, 125, 136, 171, 168, 68, 175, 74, 165, 71, 134, 139, 48, 27, 166,
+    77, 146, 158, 231, 83, 111, 229, 122, 60, 211, 133, 230, 220, 105, 92, 41, 55, 46, 245, 40, 244, 102, 143, 54,
+    65, 25, 63, 161, 1, 216, 80, 73, 209, 76, 132, 187, 208, 89, 18, 169, 200, 196, 135, 130, 116, 188, 159, 86,
+    164, 100, 109, 198, 173, 186, 3, 64, 52, 217, 226, 250, 124, 123, 5, 202, 38, 147, 118, 126, 255, 82, 85, 212,
+    207, 206, 59, 227, 47, 16, 58, 17, 182, 189, 28, 42, 223, 183, 170, 213, 119, 248, 152, 2, 44, 154, 163, 70,
+    221, 153, 101, 155, 167, 43, 172, 9, 129, 22, 39, 253, 19, 98, 108, 110, 79, 113, 224, 232, 178, 185, 112, 104,
+    218, 246, 97, 228, 251, 34, 242, 193, 238, 210, 144, 12, 191, 179, 162, 241, 81, 51, 145, 235, 249, 14, 239, 107,
+    49, 192, 214, 31, 181, 199, 106, 157, 184, 84, 204, 176, 115, 121, 50, 45, 127, 4, 150, 254, 138, 236, 205, 93,
+    222, 114, 67, 29, 24, 72, 243, 141, 128, 195, 78, 66, 215, 61, 156, 180,
+];
+
+/// How finely the fractal resolves, and over which length slopes are taken.
+const STEP: f64 = 0.0005;
+
 /// Steps of the fractal within one lattice cell: what it resolves.
-const FINEST: i64 = 1000;
+const FINEST: i64 = 2000;
 
 /// Fractal noise: cells are halved about the point, and each new corner gets the mean of its neighbours and a random part
 /// in proportion to the cell's size.
@@ -56,9 +103,8 @@ pub(super) fn fnoise3(p: [f64; 3]) -> f64 {
     let mut size = FINEST;
     let target = p.map(|x| (size as f64 * x) as i64);
     let mut base = p.map(|x| size.wrapping_mul(x.floor() as i64));
-    let random = |v: [i64; 3]| lattice(v, [17, 23, 29]);
     let mut corners: [f64; 8] = std::array::from_fn(|j| {
-        random(std::array::from_fn(|k| {
+        lattice(std::array::from_fn(|k| {
             base[k].wrapping_add(size * (j >> k & 1) as i64)
         }))
     });
@@ -75,7 +121,7 @@ pub(super) fn fnoise3(p: [f64; 3]) -> f64 {
             .fold(0usize, |bits, k| bits | 1 << k);
         let toward = |k: usize| if branch >> k & 1 == 1 { size } else { -size };
         // The octant that holds the point keeps its own corner; the middle of the cell is the corner across from it.
-        corners[!branch & 7] = mean + part * random(middle);
+        corners[!branch & 7] = mean + part * lattice(middle);
         for k in 0..3 {
             let mut v = middle;
             v[k] = v[k].wrapping_add(toward(k));
@@ -83,7 +129,7 @@ pub(super) fn fnoise3(p: [f64; 3]) -> f64 {
                 .filter(|j| (j ^ branch) >> k & 1 == 0)
                 .map(|j| corners[j])
                 .sum::<f64>();
-            corners[!(branch ^ (1 << k)) & 7] = 0.25 * near + part * random(v);
+            corners[!(branch ^ (1 << k)) & 7] = 0.25 * near + part * lattice(v);
         }
         for k in 0..3 {
             let mut v = middle;
@@ -91,7 +137,7 @@ pub(super) fn fnoise3(p: [f64; 3]) -> f64 {
                 v[other] = v[other].wrapping_add(toward(other));
             }
             let near = corners[branch & !(1 << k)] + corners[branch | 1 << k];
-            corners[branch ^ (1 << k)] = 0.5 * near + part * random(v);
+            corners[branch ^ (1 << k)] = 0.5 * near + part * lattice(v);
         }
         for (k, b) in base.iter_mut().enumerate() {
             if branch >> k & 1 == 1 {

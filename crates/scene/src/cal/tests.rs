@@ -246,8 +246,7 @@ fn variables_are_evaluated_once_an_evaluation() {
 }
 
 #[test]
-fn noise_takes_the_lattice_values_and_slopes_of_its_definition() {
-    // At lattice points the value is the lattice's own, and the gradient is the slope of the value there.
+fn noise_vanishes_at_lattice_points_and_its_slopes_are_those_of_its_values() {
     let program = Program::parse("", "test.cal").unwrap();
     let at = |text: &str| {
         program
@@ -256,6 +255,7 @@ fn noise_takes_the_lattice_values_and_slopes_of_its_definition() {
             .evaluate(&Point::default(), &[])
             .unwrap()
     };
+    assert_eq!(at("noise3(3,-2,5)"), 0.0);
     for (name, shift) in [
         ("noise3x", "1e-5,0,0"),
         ("noise3y", "0,1e-5,0"),

@@ -1,9 +1,12 @@
-//! Meshes of triangles in files: OBJ, PLY and STL.
+//! Meshes of triangles in files: OBJ, PLY, STL and glTF.
 
+mod gltf;
+mod obj;
 mod ply;
+#[cfg(test)]
+mod tests;
 
-use std::fs::File;
-use std::io::{BufReader, Cursor};
+use std::io::Cursor;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
@@ -14,8 +17,21 @@ use gonio_io::{IoError, read_bytes};
 pub struct Mesh {
     /// Corners.
     pub points: Vec<DVec3>,
+    /// Normals of the corners where the file has them: none at all, or one a corner, zero for one without.
+    pub normals: Vec<Vec3>,
     /// Triangles by corner; the front is where they turn counterclockwise.
     pub triangles: Vec<[u32; 3]>,
+    /// Which triangles are of which material, in order; none where the file names no materials.
+    pub parts: Vec<Part>,
+}
+
+/// Triangles of one material.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Name of the material, empty for none.
+    pub material: String,
+    /// The first triangle; the last is before the next part's.
+    pub first: usize,
 }
 
 impl Mesh {
@@ -24,22 +40,49 @@ impl Mesh {
         let fan = corners.windows(2).skip(1);
         self.triangles.extend(fan.map(|w| [corners[0], w[0], w[1]]));
     }
+
+    /// The triangles that follow are of this material.
+    fn begin(&mut self, material: &str) {
+        if self.parts.last().is_none_or(|p| p.material != material) {
+            self.parts.push(Part {
+                material: material.into(),
+                first: self.triangles.len(),
+            });
+        }
+    }
+
+    /// Names of materials and their triangles.
+    pub fn pieces(&self) -> impl Iterator<Item = (&str, std::ops::Range<usize>)> {
+        let ends = self.parts.iter().skip(1).map(|p| p.first);
+        let ends = ends.chain(std::iter::once(self.triangles.len()));
+        let named = self.parts.iter().zip(ends);
+        named.map(|(part, end)| (part.material.as_str(), part.first..end))
+    }
 }
 
-/// The mesh of a file, by its extension: `.obj`, `.ply`, `.stl`. Polygons become fans of triangles; normals, colours and
-/// materials are not read.
+/// The mesh of a file, by its extension: `.obj`, `.ply`, `.stl`, `.gltf`, `.glb`. Polygons become fans of triangles. Materials are
+/// read by their name alone, colours not at all. A glTF file is turned from its axes (y up) to those of RADIANCE (z up).
 ///
 /// # Errors
 /// [`IoError`] naming the file: one that cannot be read, is no mesh, refers to corners that it does not have, or has
 /// coordinates that are not finite; the octrees and compiled meshes of RADIANCE.
 pub fn read(path: &Path) -> Result<Mesh, IoError> {
+    read_from(path, &read_bytes(path)?)
+}
+
+/// [`read`] of bytes in memory; the ending of `path` tells the format, and errors name it.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(path: &Path, bytes: &[u8]) -> Result<Mesh, IoError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    let mesh = match extension.as_deref() {
-        Some("obj") => obj(path)?,
-        Some("ply") => ply::read(path)?,
-        Some("stl") => stl(path)?,
+    let mut mesh = match extension.as_deref() {
+        Some("obj") => obj::read(path, bytes)?,
+        Some("ply") => ply::read(path, bytes)?,
+        Some("stl") => stl(path, bytes)?,
+        Some("gltf" | "glb") => gltf::read(path, bytes)?,
         Some("rtm" | "oct") => {
-            let hint = "a mesh .obj .ply .stl; include the scene text of an octree by !xform, and the .obj of an .rtm";
+            let hint = "a mesh .obj .ply .stl .gltf .glb; include the scene text of an octree by !xform, and the .obj of an .rtm";
             return Err(fault(
                 path,
                 "file",
@@ -49,7 +92,7 @@ pub fn read(path: &Path) -> Result<Mesh, IoError> {
         }
         _ => {
             let found = format!("{:?}", path.display().to_string());
-            return Err(fault(path, "file", found, "a mesh .obj .ply .stl"));
+            return Err(fault(path, "file", found, "a mesh .obj .ply .stl .gltf .glb"));
         }
     };
     if let Some(k) = mesh.points.iter().position(|p| !p.as_vec3().is_finite()) {
@@ -66,6 +109,17 @@ pub fn read(path: &Path) -> Result<Mesh, IoError> {
         let allowed = format!("one of {limit} corners, counted from 0");
         return Err(fault(path, "corner", bad.to_string(), allowed));
     }
+    // A normal that is none leaves its triangles flat.
+    for normal in &mut mesh.normals {
+        *normal = if normal.is_finite() {
+            normal.normalize_or_zero()
+        } else {
+            Vec3::ZERO
+        };
+    }
+    if mesh.normals.len() != limit {
+        mesh.normals.clear();
+    }
     Ok(mesh)
 }
 
@@ -73,33 +127,7 @@ fn fault(path: &Path, field: &str, found: impl Into<String>, allowed: impl Into<
     IoError::format(path, None, field, found, allowed)
 }
 
-fn obj(path: &Path) -> Result<Mesh, IoError> {
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
-    let file = File::open(path).map_err(|e| IoError::file(path, e))?;
-    // Materials are those of the scene.
-    let none = |_: &Path| Ok((Vec::new(), Default::default()));
-    let (models, _) = tobj::load_obj_buf(&mut BufReader::new(file), &options, none)
-        .map_err(|e| fault(path, "OBJ", e.to_string(), "a Wavefront OBJ file"))?;
-    let mut mesh = Mesh::default();
-    for model in models {
-        let first = mesh.points.len() as u32;
-        let points = model.mesh.positions.as_chunks::<3>().0;
-        mesh.points
-            .extend(points.iter().map(|p| Vec3::from_array(*p).as_dvec3()));
-        let triangles = model.mesh.indices.as_chunks::<3>().0;
-        mesh.triangles
-            .extend(triangles.iter().map(|t| t.map(|k| k.saturating_add(first))));
-    }
-    Ok(mesh)
-}
-
-fn stl(path: &Path) -> Result<Mesh, IoError> {
-    let bytes = read_bytes(path)?;
+fn stl(path: &Path, bytes: &[u8]) -> Result<Mesh, IoError> {
     let wrong = |e: std::io::Error| fault(path, "STL", e.to_string(), "an STL file, ASCII or binary");
     let mut cursor = Cursor::new(bytes);
     let mut mesh = Mesh::default();

@@ -1,7 +1,6 @@
-//! PLY: corners `x y z` and faces `vertex_index` or `vertex_indices`.
+//! PLY: corners `x y z`, with normals `nx ny nz`, and faces `vertex_index` or `vertex_indices`.
 
-use std::fs::File;
-use std::io::BufReader;
+use std::io::Cursor;
 use std::path::Path;
 
 use glam::DVec3;
@@ -11,12 +10,13 @@ use ply_rs_bw::ply::{DefaultElement, Property, PropertyAccess, PropertyAccessRes
 
 use super::{Mesh, fault};
 
-struct Corner(DVec3);
+/// Place and normal.
+struct Corner(DVec3, DVec3);
 
 impl PropertyAccess for Corner {
     fn new() -> Self {
         // A coordinate that is missing shows as one that is not finite.
-        Corner(DVec3::NAN)
+        Corner(DVec3::NAN, DVec3::ZERO)
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
@@ -24,9 +24,13 @@ impl PropertyAccess for Corner {
             "x" => 0,
             "y" => 1,
             "z" => 2,
+            "nx" => 3,
+            "ny" => 4,
+            "nz" => 5,
             _ => return PropertyAccessResult::Ignored,
         };
-        self.0[k] = match property {
+        let slot = if k < 3 { &mut self.0[k] } else { &mut self.1[k - 3] };
+        *slot = match property {
             Property::Float(v) => v.into(),
             Property::Double(v) => v,
             Property::Char(v) => v.into(),
@@ -71,10 +75,9 @@ impl PropertyAccess for Face {
     }
 }
 
-pub(super) fn read(path: &Path) -> Result<Mesh, IoError> {
-    let file = File::open(path).map_err(|e| IoError::file(path, e))?;
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, IoError> {
     let wrong = |e: &dyn std::fmt::Display| fault(path, "PLY", e.to_string(), "a PLY file");
-    let mut reader = Reader::new(BufReader::new(file));
+    let mut reader = Reader::new(Cursor::new(bytes));
     let corners = Parser::<Corner>::new();
     let header = corners.read_header(&mut reader).map_err(|e| wrong(&e))?;
     let mut mesh = Mesh::default();
@@ -84,6 +87,9 @@ pub(super) fn read(path: &Path) -> Result<Mesh, IoError> {
                 let all = corners
                     .read_payload_for_element(&mut reader, element, &header)
                     .map_err(|e| wrong(&e))?;
+                if all.iter().any(|c| c.1 != DVec3::ZERO) {
+                    mesh.normals = all.iter().map(|c| c.1.as_vec3()).collect();
+                }
                 mesh.points = all.into_iter().map(|c| c.0).collect();
             }
             "face" => {

@@ -64,6 +64,30 @@ impl Kind {
 }
 
 impl CieSky {
+    /// The sky of the numbers that `gensky` hands to `skybr` of skybright.cal: seven, or three for a sky that hides the sun.
+    /// `None` for other counts and numbers that are not finite.
+    pub fn of_pattern(numbers: &[f64]) -> Option<Self> {
+        let (number, zenith, ground, relative, sun) = match *numbers {
+            [n, zenith, ground] => (n, zenith, ground, None, [0.0, 0.0, 1.0]),
+            [n, zenith, ground, relative, x, y, z] => (n, zenith, ground, Some(relative), [x, y, z]),
+            _ => return None,
+        };
+        let kinds = [Kind::Clear, Kind::Overcast, Kind::Uniform, Kind::Intermediate];
+        let kind = *kinds.get((number as usize).checked_sub(1)?)?;
+        // The text divides by its own rounded number.
+        let scale = match (kind.hides_the_sun(), relative) {
+            (true, _) => 1.0,
+            (false, None) => return None,
+            (false, Some(relative)) => kind.zenith_relative(sun[2].clamp(-1.0, 1.0).asin()) / relative,
+        };
+        (scale.is_finite() && numbers.iter().all(|v| v.is_finite())).then_some(CieSky {
+            kind,
+            sun,
+            zenith: zenith * scale,
+            ground,
+        })
+    }
+
     /// Radiance from a unit direction, W/(m² sr).
     pub fn radiance(&self, direction: [f64; 3]) -> f64 {
         let up = direction[2];

@@ -301,6 +301,27 @@ impl PerezSky {
         light.finish(direct / unit, diffuse / unit, split)
     }
 
+    /// The sky of the ten numbers that `gendaylit` hands to `skybright` of perezlum.cal; without its indices and without the
+    /// light of its sun, which stand elsewhere. `None` for another count and numbers that are not finite.
+    pub fn of_pattern(numbers: &[f64]) -> Option<Self> {
+        let [factor, ground, a, b, c, d, e, x, y, z] = *numbers else {
+            return None;
+        };
+        numbers.iter().all(|v| v.is_finite()).then_some(PerezSky {
+            clearness: f64::NAN,
+            brightness: f64::NAN,
+            coefficients: [a, b, c, d, e],
+            factor,
+            ground,
+            sun: Sun {
+                direction: [x, y, z],
+                angle: 0.0,
+                radiance: 0.0,
+            },
+            split: None,
+        })
+    }
+
     /// Radiance from a unit direction.
     pub fn radiance(&self, direction: [f64; 3]) -> f64 {
         let (gamma, cosine) = between(direction, self.sun.direction);

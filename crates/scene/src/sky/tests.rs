@@ -22,33 +22,10 @@ fn irradiance(radiance: impl Fn([f64; 3]) -> f64) -> f64 {
 
 /// The sky of a generator's text, by the numbers of its pattern.
 fn sky_of(numbers: &[f64]) -> Box<dyn Fn([f64; 3]) -> f64> {
-    let (sun, last) = (
-        |k: usize| [numbers[k], numbers[k + 1], numbers[k + 2]],
-        numbers.len(),
-    );
-    if last == 10 {
-        let sky = PerezSky {
-            clearness: 1.0,
-            brightness: 0.3,
-            coefficients: std::array::from_fn(|k| numbers[2 + k]),
-            factor: numbers[0],
-            ground: numbers[1],
-            sun: Sun {
-                direction: sun(7),
-                angle: 0.0,
-                radiance: 0.0,
-            },
-            split: None,
-        };
+    if let Some(sky) = PerezSky::of_pattern(numbers) {
         return Box::new(move |d| sky.radiance(d));
     }
-    let kind = [Kind::Clear, Kind::Overcast, Kind::Uniform, Kind::Intermediate][numbers[0] as usize - 1];
-    let sky = CieSky {
-        kind,
-        sun: if last == 7 { sun(4) } else { [0.0, 0.0, 1.0] },
-        zenith: numbers[1],
-        ground: numbers[2],
-    };
+    let sky = CieSky::of_pattern(numbers).unwrap();
     Box::new(move |d| sky.radiance(d))
 }
 
@@ -86,6 +63,10 @@ fn radiances_of_directions_are_those_of_rtrace_within_a_thousandth() {
         for found in [sky_of(&numbers)(direction), by_text] {
             assert!((found / expected - 1.0).abs() < 1e-3, "{line}: {found}");
         }
+        assert!(
+            (sky_of(&numbers)(direction) / by_text - 1.0).abs() < 1e-6,
+            "{line}"
+        );
     }
 }
 

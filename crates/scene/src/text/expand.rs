@@ -1,13 +1,16 @@
 //! Scene files and the commands in them, as one list of items.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use gonio_bsdf::Bsdf;
 use gonio_io::radiance_material::{self, Found, Item, scan};
 use gonio_io::{IoError, excerpt, read_bytes};
 
 use super::command::stages;
 use super::genbox::genbox;
+use super::generators;
 use super::transform::Change;
 use super::xform::Xform;
 use crate::error::{Place, SceneError};
@@ -27,6 +30,21 @@ pub struct Entry {
 pub struct Files {
     /// Folders to search, in order.
     pub search: Vec<PathBuf>,
+    /// Reads models in files of other formats than those of RADIANCE and RGL.
+    pub models: Option<ModelReader>,
+}
+
+/// A reader of models that are not read here; it says in words what is wrong with a file.
+#[derive(Clone)]
+pub struct ModelReader(pub Arc<ReadModel>);
+
+/// The model of a file, or what is wrong with it.
+pub type ReadModel = dyn Fn(&Path) -> Result<Arc<dyn Bsdf>, String> + Send + Sync;
+
+impl fmt::Debug for ModelReader {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("ModelReader")
+    }
 }
 
 impl Files {
@@ -35,6 +53,11 @@ impl Files {
     /// # Errors
     /// That it is nowhere, with the place.
     pub fn find(&self, name: &str, place: &Place) -> Result<PathBuf, SceneError> {
+        self.find_for(name, "file", place)
+    }
+
+    /// [`Files::find`], for a field of another name.
+    pub(crate) fn find_for(&self, name: &str, field: &str, place: &Place) -> Result<PathBuf, SceneError> {
         let name_path = Path::new(name);
         let beside = place.file.parent().unwrap_or(Path::new(""));
         let mut tried = std::iter::once(beside).chain(self.search.iter().map(PathBuf::as_path));
@@ -47,15 +70,15 @@ impl Files {
                     let folders: Vec<String> = self.search.iter().map(|p| p.display().to_string()).collect();
                     format!("a file beside this one or in {}", folders.join(":"))
                 };
-                place.fault("file", format!("{name:?}, which is not there"), allowed)
+                place.fault(field, format!("{name:?}, which is not there"), allowed)
             })
     }
 }
 
 /// Files inside files, at most.
 const DEEPEST: usize = 32;
-/// Items of a scene, at most: what arrays in arrays could ask for has a bound.
-const MOST_ITEMS: usize = 1 << 26;
+/// Items that commands make, at most: what arrays in arrays could ask for has a bound in memory (some 2 GB).
+const MOST_ITEMS: usize = 1 << 22;
 
 /// All items of `path`, commands carried out.
 ///
@@ -151,10 +174,21 @@ impl Expansion<'_> {
             };
             let next = match name {
                 "xform" => self.xform(words, made.take(), place)?,
-                "genbox" | "gensky" | "gendaylit" if made.is_some() => {
+                _ if made.is_some() => {
                     return Err(place.fault("command", format!("{name:?}"), "xform after |"));
                 }
                 "genbox" => at_place(genbox(words).map_err(wrong)?),
+                "genprism" => at_place(generators::genprism(words).map_err(wrong)?),
+                "genblinds" => at_place(generators::genblinds(words).map_err(wrong)?),
+                "genrev" | "genworm" | "gensurf" => {
+                    let (words, definitions) = self.definitions(words, place)?;
+                    let made = match name {
+                        "genrev" => generators::genrev(&words, &definitions),
+                        "genworm" => generators::genworm(&words, &definitions),
+                        _ => generators::gensurf(&words, &definitions),
+                    };
+                    at_place(made.map_err(wrong)?)
+                }
                 "gensky" | "gendaylit" => {
                     let words: Vec<&str> = words.iter().map(String::as_str).collect();
                     let text = if name == "gensky" {
@@ -170,14 +204,78 @@ impl Expansion<'_> {
                     return Err(place.fault(
                         "command",
                         excerpt(text.as_bytes()),
-                        "xform, genbox, gensky, gendaylit: no other command is run; run it yourself and include what it \
-                         prints",
+                        "xform, genbox, genprism, genblinds, genrev, genworm, gensurf, gensky, gendaylit: no other command \
+                         is run; run it yourself and include what it prints",
                     ));
                 }
             };
             made = Some(next);
         }
         Ok(made.unwrap_or_default())
+    }
+
+    /// The words without `-e formula` and `-f file`, and the definitions of these.
+    fn definitions(&self, words: &[String], place: &Place) -> Result<(Vec<String>, String), SceneError> {
+        let (mut rest, mut text) = (Vec::new(), String::new());
+        let mut words = words.iter();
+        while let Some(word) = words.next() {
+            match (word.as_str(), words.as_slice().first()) {
+                ("-e", Some(formula)) => {
+                    text.push_str(formula);
+                    text.push_str(";\n");
+                    words.next();
+                }
+                ("-f", Some(name)) => {
+                    let path = self.files.find(name, place)?;
+                    text.push_str(&String::from_utf8_lossy(&read_bytes(&path)?));
+                    text.push_str(";\n");
+                    words.next();
+                }
+                _ => rest.push(word.clone()),
+            }
+        }
+        Ok((rest, text))
+    }
+
+    /// One list of words for each line of the files of options (`-f`) in `words`, the line in place of the file.
+    fn invocations(&self, words: Vec<String>, place: &Place) -> Result<Vec<Vec<String>>, SceneError> {
+        const MOST: usize = 1 << 16;
+        let mut done = Vec::new();
+        // Lists with what is left of their depth; the last one is the next.
+        let mut open = vec![(words, 8)];
+        while let Some((words, depth)) = open.pop() {
+            let Some(k) = words.iter().position(|w| w == "-f") else {
+                done.push(words);
+                continue;
+            };
+            let Some(name) = words.get(k + 1) else {
+                return Err(place.fault("xform", "-f", "-f and a file of options"));
+            };
+            if depth == 0 || open.len() + done.len() > MOST {
+                let allowed = format!("files of options 8 inside each other, {MOST} lines in all");
+                return Err(place.fault("xform", format!("-f {name:?}"), allowed));
+            }
+            let path = self.files.find(name, place)?;
+            let text = String::from_utf8_lossy(&read_bytes(&path)?).into_owned();
+            let first = open.len();
+            for (number, line) in text.lines().enumerate() {
+                if line.trim().is_empty() || line.trim_start().starts_with('#') {
+                    continue;
+                }
+                let wrong = |(found, allowed)| {
+                    IoError::format(&path, number as u64 + 1, "options of xform", found, allowed)
+                };
+                let mut stages = stages(line).map_err(wrong)?;
+                let (true, Some(line)) = (stages.len() == 1, stages.pop()) else {
+                    return Err(wrong(("|".into(), "options alone")).into());
+                };
+                let named = matches!(line[0].as_str(), "xform" | "!xform");
+                let line = &line[usize::from(named)..];
+                open.push(([&words[..k], line, &words[k + 2..]].concat(), depth - 1));
+            }
+            open[first..].reverse();
+        }
+        Ok(done)
     }
 
     /// `given` is what comes through a pipe.
@@ -187,6 +285,15 @@ impl Expansion<'_> {
         given: Option<Vec<Entry>>,
         place: &Place,
     ) -> Result<Vec<Entry>, SceneError> {
+        if words.iter().any(|w| w == "-f") {
+            let mut all = Vec::new();
+            for words in self.invocations(words.to_vec(), place)? {
+                all.extend(self.xform(&words, given.clone(), place)?);
+                bounded(all.len(), place)?;
+            }
+            return Ok(all);
+        }
+        copies(words, place)?;
         // The words that stand for files, the same in every copy of an array.
         let mut changes = Vec::new();
         let rest = arrays(words.to_vec(), &mut changes, place, 0)?;
@@ -218,6 +325,13 @@ impl Expansion<'_> {
     }
 }
 
+/// How many copies all arrays make together.
+fn copies(words: &[String], place: &Place) -> Result<(), SceneError> {
+    let counts = words.windows(2).filter(|w| w[0] == "-a");
+    let each = counts.map(|w| w[1].parse::<usize>().unwrap_or(1));
+    bounded(each.fold(1, usize::saturating_mul), place)
+}
+
 fn bounded(items: usize, place: &Place) -> Result<(), SceneError> {
     if items <= MOST_ITEMS {
         return Ok(());
@@ -225,7 +339,7 @@ fn bounded(items: usize, place: &Place) -> Result<(), SceneError> {
     Err(place.fault(
         "command",
         format!("{items} items"),
-        format!("at most {MOST_ITEMS}"),
+        format!("at most {MOST_ITEMS}: a mesh holds more for less"),
     ))
 }
 
@@ -280,13 +394,6 @@ fn change(words: &[String], place: &Place) -> Result<(Change, usize), SceneError
             (Some("-I"), _) => {
                 invert = !invert;
                 at += 1;
-            }
-            (Some("-f"), _) => {
-                return Err(place.fault(
-                    "xform",
-                    "-f",
-                    "options on the line: files of options are not read",
-                ));
             }
             _ => break,
         }

@@ -1,14 +1,16 @@
 //! RADIANCE scene text: files and the commands in them become one list of items.
 //!
-//! gonio carries out `xform`, `genbox`, `gensky` and `gendaylit` itself; no command is ever run.
+//! gonio carries out `xform`, `gensky`, `gendaylit` and the generators of surfaces itself; no command is ever run.
 
 mod command;
 mod expand;
 mod genbox;
+mod generated;
+mod generators;
 mod transform;
 mod xform;
 
-pub use expand::{Entry, Files, read, read_from};
+pub use expand::{Entry, Files, ModelReader, ReadModel, read, read_from};
 pub use transform::Change;
 pub(crate) use transform::SURFACES;
 pub use xform::Xform;

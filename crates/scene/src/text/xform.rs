@@ -123,6 +123,14 @@ impl Xform {
             at += 1 + used;
         }
         all = all.then(&block.repeated(times));
+        if !all.matrix.is_finite() || !all.scale.is_finite() || all.scale == 0.0 {
+            let found = words[..at]
+                .iter()
+                .map(AsRef::as_ref)
+                .collect::<Vec<_>>()
+                .join(" ");
+            return Err((found, "a transform that keeps within the range of numbers"));
+        }
         Ok((all, at))
     }
 }
