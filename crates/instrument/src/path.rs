@@ -2,39 +2,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gonio_geom::{Component, Direction, Side};
+use gonio_geom::{Component, DVec3, Direction, Side};
 use rand::{Rng, RngExt};
 
-use crate::InstrumentError;
 use crate::error::in_range;
+use crate::region::{PathTable, Prescan, Region};
+use crate::{InstrumentError, Patch};
 
-/// A patch of rings around the mirror or the unbent direction whose pitch grows with the distance from it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patch {
-    /// Radius, radians, `(0, pi/2]`.
-    pub radius: f64,
-    /// Pitch between rings at the centre, radians, `>= 0.0002`.
-    pub pitch: f64,
-    /// Growth of the pitch per unit distance from the centre, `[0, 1]`.
-    pub growth: f64,
-    /// Pitch along a ring as a share of the pitch between rings, `[0.1, 2]`.
-    pub along: f64,
-}
-
-impl Default for Patch {
-    /// 25 degrees wide, .2 degrees at the centre growing by .04, six tenths of that along the rings.
-    fn default() -> Self {
-        Patch {
-            radius: 25.0_f64.to_radians(),
-            pitch: 0.2_f64.to_radians(),
-            growth: 0.04,
-            along: 0.6,
-        }
-    }
-}
-
-/// Rings of constant `theta_s` over a hemisphere, refined around the mirror and unbent directions.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Rings of constant `theta_s` over a hemisphere (or lines in half planes), refined around the mirror and unbent directions
+/// and in further regions; or a table of directions.
+#[derive(Clone, Debug, PartialEq)]
 pub struct DetectorPath {
     /// Pitch between rings, radians, `[0.001, 0.5]`.
     pub pitch_across: f64,
@@ -42,11 +19,20 @@ pub struct DetectorPath {
     pub pitch_along: f64,
     /// Polar angle from the hemisphere's pole that no reading passes, radians, `(0, pi/2)`.
     pub theta_max: f64,
-    /// The refined patch, if any.
+    /// Azimuths of half planes relative to that of incidence, radians: lines from the pole to the horizon in place of rings.
+    /// Empty: rings.
+    pub planes: Vec<f64>,
+    /// The refined patch around the mirror and unbent directions, if any.
     pub patch: Option<Patch>,
     /// Standard deviation of a ring's polar position as a share of the pitch, `[0, 0.3]`. Along the ring readings are
     /// taken at even steps from a random start. Recorded directions include it.
     pub jitter: f64,
+    /// Further refined regions, read after the patch in this order.
+    pub regions: Vec<Region>,
+    /// A fast scan that finds peaks and gives them regions.
+    pub prescan: Option<Prescan>,
+    /// Directions in place of all of the above; `theta_max` and the shadow still hold.
+    pub table: Option<PathTable>,
 }
 
 impl Default for DetectorPath {
@@ -58,6 +44,10 @@ impl Default for DetectorPath {
             theta_max: 89.0_f64.to_radians(),
             patch: Some(Patch::default()),
             jitter: 0.02,
+            planes: Vec::new(),
+            regions: Vec::new(),
+            prescan: None,
+            table: None,
         }
     }
 }
@@ -68,49 +58,122 @@ impl DetectorPath {
         in_range("pitch_along", self.pitch_along, 0.001, 0.5, " rad")?;
         in_range("theta_max", self.theta_max, 0.1, 0.5 * PI - 1e-4, " rad")?;
         in_range("jitter", self.jitter, 0.0, 0.3, "")?;
-        if let Some(p) = self.patch {
-            in_range("patch radius", p.radius, 1e-3, 0.5 * PI, " rad")?;
-            in_range("patch pitch", p.pitch, 2e-4, 0.5, " rad")?;
-            in_range("patch growth", p.growth, 0.0, 1.0, "")?;
-            in_range("patch along", p.along, 0.1, 2.0, "")?;
+        for azimuth in &self.planes {
+            in_range("azimuth of a plane", *azimuth, -TAU, TAU, " rad")?;
         }
-        Ok(())
+        let regions = self.regions.iter().map(|r| &r.patch);
+        regions.chain(&self.patch).try_for_each(Patch::check)?;
+        self.prescan.iter().try_for_each(Prescan::check)
     }
 
     /// The directions read for incidence `wi` over the hemisphere of `component`, in the order of the path: rings from
-    /// the pole to the horizon, then the patch from its centre outwards. Directions within `shadow` of `wi` are left
-    /// out: there the detector stands in the beam.
-    pub(crate) fn directions(
+    /// the pole to the horizon (or half planes in turn), then the patch from its centre outwards, then the regions and after
+    /// them those of `found`. Directions within `shadow` of `wi` are left out: there the detector stands in the beam.
+    pub fn directions(
         &self,
         wi: Direction,
         component: Component,
         shadow: f64,
+        found: &[Region],
         rng: &mut impl Rng,
     ) -> Vec<Direction> {
         let side = component.scattered_side(wi.side());
-        let mut path = Vec::new();
-        // Rings lie on half pitches so that none degenerates at the pole.
-        let rings = (self.theta_max / self.pitch_across + 0.5).floor() as usize;
-        for k in 0..rings {
-            let theta = (k as f64 + 0.5 + self.wobble(rng)) * self.pitch_across;
-            let pole = Direction::from_unit(gonio_geom::DVec3::Z * side.sign());
-            self.ring(pole, theta, self.pitch_along, side, rng, &mut path);
-        }
-        if let Some(patch) = self.patch {
-            let centre = match component {
-                Component::Reflection => wi.mirror(),
-                Component::Transmission => wi.through(),
-            };
-            let mut gamma = 0.5 * patch.pitch;
-            while gamma <= patch.radius {
-                let pitch = patch.pitch + patch.growth * gamma;
-                let at = gamma + self.wobble(rng) * pitch;
-                self.ring(centre, at, pitch * patch.along, side, rng, &mut path);
-                gamma += pitch;
+        let mut path = match &self.table {
+            Some(table) => self.tabulated(table, wi, side),
+            None => self.base(wi, side, rng),
+        };
+        if self.table.is_none() {
+            let patch = self.patch.iter().map(|&patch| {
+                let centre = match component {
+                    Component::Reflection => wi.mirror(),
+                    Component::Transmission => wi.through(),
+                };
+                (centre, patch)
+            });
+            let regions = self
+                .regions
+                .iter()
+                .filter_map(|r| Some((r.around.centre(wi, component)?, r.patch)));
+            for (centre, patch) in patch.chain(regions) {
+                self.rings(centre, patch, side, rng, &mut path);
             }
+        }
+        for (centre, patch) in found
+            .iter()
+            .filter_map(|r| Some((r.around.centre(wi, component)?, r.patch)))
+        {
+            self.rings(centre, patch, side, rng, &mut path);
         }
         path.retain(|d| component == Component::Transmission || d.angle_to(wi) > shadow);
         path
+    }
+
+    /// Centres and radii of the regions for incidence `wi` over the hemisphere of `component`.
+    pub(crate) fn refined(&self, wi: Direction, component: Component) -> Vec<(Direction, f64)> {
+        let patch = self.patch.iter().map(|p| match component {
+            Component::Reflection => (wi.mirror(), p.radius),
+            Component::Transmission => (wi.through(), p.radius),
+        });
+        let regions = self
+            .regions
+            .iter()
+            .filter_map(|r| Some((r.around.centre(wi, component)?, r.patch.radius)));
+        patch.chain(regions).collect()
+    }
+
+    fn tabulated(&self, table: &PathTable, wi: Direction, side: Side) -> Vec<Direction> {
+        let lowest = self.theta_max.cos() - 1e-12;
+        let held = |d: &&Direction| d.cos_theta() * side.sign() >= lowest;
+        table
+            .of(wi)
+            .unwrap_or_default()
+            .iter()
+            .filter(held)
+            .copied()
+            .collect()
+    }
+
+    /// Rings about the pole, or lines in half planes.
+    fn base(&self, wi: Direction, side: Side, rng: &mut impl Rng) -> Vec<Direction> {
+        let mut path = Vec::new();
+        let pole = Direction::from_unit(DVec3::Z * side.sign());
+        if self.planes.is_empty() {
+            // Rings lie on half pitches so that none degenerates at the pole.
+            let rings = (self.theta_max / self.pitch_across + 0.5).floor() as usize;
+            for k in 0..rings {
+                let theta = (k as f64 + 0.5 + self.wobble(rng)) * self.pitch_across;
+                self.ring(pole, theta, self.pitch_along, side, rng, &mut path);
+            }
+            return path;
+        }
+        for azimuth in &self.planes {
+            let (s, c) = (wi.phi() + azimuth).sin_cos();
+            let start: f64 = rng.random_range(0.0..1.0);
+            let steps = (self.theta_max / self.pitch_along - start).floor().max(0.0) as usize;
+            for k in 0..=steps {
+                let (sin, cos) = ((start + k as f64) * self.pitch_along).sin_cos();
+                path.extend(Direction::new(DVec3::new(sin * c, sin * s, cos * side.sign())));
+            }
+        }
+        path
+    }
+
+    /// A graded patch about `centre`.
+    fn rings(
+        &self,
+        centre: Direction,
+        patch: Patch,
+        side: Side,
+        rng: &mut impl Rng,
+        path: &mut Vec<Direction>,
+    ) {
+        let mut gamma = 0.5 * patch.pitch;
+        while gamma <= patch.radius {
+            let pitch = patch.pitch + patch.growth * gamma;
+            let at = gamma + self.wobble(rng) * pitch;
+            self.ring(centre, at, pitch * patch.along, side, rng, path);
+            gamma += pitch;
+        }
     }
 
     /// Displacement of a ring in units of the pitch, within three standard deviations.
@@ -172,7 +235,7 @@ mod tests {
         let shadow = 0.05;
         for component in [Component::Reflection, Component::Transmission] {
             let path = DetectorPath::default();
-            let read = path.directions(wi, component, shadow, &mut rng);
+            let read = path.directions(wi, component, shadow, &[], &mut rng);
             let side = component.scattered_side(Side::Front);
             assert!(read.iter().all(|d| d.side() == side));
             assert!(read.iter().all(|d| d.cos_theta().abs() >= path.theta_max.cos()));
@@ -185,7 +248,7 @@ mod tests {
     fn the_patch_is_as_dense_as_stated_around_the_mirror_direction() {
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         let wi = Direction::from_degrees(40.0, 0.0);
-        let read = DetectorPath::default().directions(wi, Component::Reflection, 0.05, &mut rng);
+        let read = DetectorPath::default().directions(wi, Component::Reflection, 0.05, &[], &mut rng);
         let radius = 1.0_f64.to_radians();
         let inside = read.iter().filter(|d| d.angle_to(wi.mirror()) < radius).count() as f64;
         // Rings at .1, .304, .516, .737, .966 degrees, each with a pitch along of six tenths of its pitch across; the

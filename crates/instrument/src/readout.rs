@@ -9,19 +9,16 @@ use crate::Detector;
 /// Degrees to which the instrument records a direction.
 const ANGLE_STEP: f64 = 1e-4;
 
-/// Times, recorded directions and readings of a record.
-pub(crate) struct Columns {
-    pub(crate) theta_s: Vec<f64>,
-    pub(crate) phi_s: Vec<f64>,
-    pub(crate) value: Vec<f64>,
-    pub(crate) time: Vec<f64>,
-}
-
-/// One reading of the noise-free `signal` at dark level `dark`, never past saturation.
+/// One reading of the noise-free `signal` at dark level `dark`, in the range that holds it and never past its full scale.
 pub(crate) fn read(detector: &Detector, signal: f64, dark: f64, rng: &mut impl Rng) -> f64 {
-    let sigma = detector.noise_readout.hypot(detector.noise_relative * signal);
-    let reading = signal + dark + sigma * rng.sample::<f64, _>(StandardNormal);
-    reading.min(detector.saturation)
+    let range = detector.range(signal + dark);
+    let sigma = detector.noise(range.noise_readout, signal);
+    let reading = (signal + dark) * (1.0 + range.gain_error) + sigma * rng.sample::<f64, _>(StandardNormal);
+    if detector.bits == 0 {
+        return reading.min(range.full_scale);
+    }
+    let step = range.full_scale / 2.0_f64.powi(detector.bits as i32);
+    ((reading / step).round() * step).min(range.full_scale)
 }
 
 /// The angles that are written for `d`, in radians.
