@@ -50,6 +50,21 @@ pub(crate) struct FitData {
 }
 
 impl FitData {
+    /// Channels of which there is no reading: for what other instruments read.
+    pub(crate) fn without_readings(channels: Vec<Channel>) -> Self {
+        FitData {
+            profiles: vec![None; channels.len()],
+            index_ratios: vec![1.0; channels.len()],
+            channels,
+            incidences: Vec::new(),
+            slabs: Vec::new(),
+            blocks: Vec::new(),
+            excluded: Vec::new(),
+            other_component: None,
+            missing: 0.0,
+        }
+    }
+
     /// The usable readings of `measurement` in components for which `described` holds. With `signature`, the beam profile
     /// is known to the model, and the uncertainty that the beam's width adds to a reading is taken out.
     pub(crate) fn new(

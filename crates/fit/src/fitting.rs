@@ -15,6 +15,8 @@ use crate::refine::{Goal, refine, settle};
 use crate::result::{Fit, OtherMetric};
 use crate::selection::phrase;
 use crate::solver::{Solution, SolverOptions, Stop};
+use crate::sphere::disagreements;
+use crate::sphere_fit::add_sphere;
 use crate::start::{narrow_first, search, starts};
 use crate::{Estimate, FitError, FitModel, FitOptions, Interval, Kind, albedo, report, warnings};
 
@@ -56,15 +58,28 @@ pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>
     if solution.stop == Stop::NotFinite || solution.x.iter().any(|v| !v.is_finite()) {
         return Err(setting.not_converged(solution.evaluations));
     }
-    let solution = canonical(&setting, &mut data, solution, options);
+    let mut solution = canonical(&setting, &mut data, solution, options);
     let objective = setting.goal.objective(&setting.chart, &data);
     let mut spread = covariance(&objective, &solution.x, &solution.normal, &setting.held);
-    let predicted = match &mut spread {
+    let mut predicted = match &mut spread {
         Some(spread) => std::mem::take(&mut spread.predicted),
         None => objective.predict(&solution.x),
     };
+    let mut others = other_metrics(&setting, &mut data, &solution, options)?;
+    let mut sphere = Vec::new();
+    if !options.sphere.is_empty() {
+        sphere = add_sphere(
+            &setting,
+            &data,
+            &mut solution.x,
+            spread.as_mut(),
+            &mut others,
+            options,
+        )?;
+        predicted = setting.goal.objective(&setting.chart, &data).predict(&solution.x);
+    }
+    let other_metrics = in_values(&setting, others);
     let mut estimates = estimates(&setting, &data, &solution, spread.as_ref(), options);
-    let other_metrics = other_metrics(&setting, &mut data, &solution, options)?;
     for (k, e) in estimates.iter_mut().enumerate() {
         e.u_model = other_metrics
             .iter()
@@ -93,6 +108,7 @@ pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>
         residuals: report::residuals(&data, &predicted),
         predicted: report::by_slice(measurement, &data, &predicted),
         albedo: None,
+        sphere,
         warnings: Vec::new(),
         estimates,
     };
@@ -100,6 +116,7 @@ pub fn fit(measurement: &Measurement, model: &FitModel, options: &FitOptions<'_>
     if options.warnings {
         fit.albedo = albedo::largest(&fit, &data.incidences);
         fit.warnings = warnings::of(&fit, &data, &setting);
+        fit.warnings.extend(disagreements(model, &fit.sphere));
     }
     Ok(fit)
 }
@@ -324,7 +341,7 @@ fn check(data: &FitData, model: &FitModel, setting: &Setting<'_>) -> Result<(), 
 }
 
 /// The estimates of all variables with their intervals.
-fn estimates(
+pub(crate) fn estimates(
     setting: &Setting<'_>,
     data: &FitData,
     solution: &Solution,
@@ -366,7 +383,12 @@ fn estimates(
             if let Some(s) = known {
                 let doubtful = mistrusted(variable.log, x, u_x, setting.low[k], setting.high[k]);
                 let own = (u_x * u_x - common * common).max(0.0);
-                if options.profile && doubtful && own > 0.0 && s.bread[(k, k)] > 0.0 {
+                if options.profile
+                    && options.sphere.is_empty()
+                    && doubtful
+                    && own > 0.0
+                    && s.bread[(k, k)] > 0.0
+                {
                     let ratio = own / s.bread[(k, k)];
                     let (low, high) = profile_interval(
                         &setting.goal.objective(&setting.chart, data),
@@ -404,7 +426,7 @@ fn other_metrics(
     data: &mut FitData,
     solution: &Solution,
     options: &FitOptions<'_>,
-) -> Result<Vec<OtherMetric>, FitError> {
+) -> Result<Vec<(Metric, Vec<f64>)>, FitError> {
     let mut out = Vec::new();
     let mut compared: Vec<Metric> = options.compare.clone();
     compared.retain(|m| *m != options.metric);
@@ -427,19 +449,25 @@ fn other_metrics(
         if found.stop == Stop::Cancelled {
             return Err(FitError::Cancelled);
         }
-        let values = found
-            .x
-            .iter()
-            .zip(&setting.chart.variables)
-            .map(|(x, v)| v.value(*x))
-            .collect();
-        out.push(OtherMetric { metric, values });
+        out.push((metric, found.x));
     }
     Ok(out)
 }
 
+/// Minima in other metrics as values of the parameters.
+fn in_values(setting: &Setting<'_>, minima: Vec<(Metric, Vec<f64>)>) -> Vec<OtherMetric> {
+    let variables = &setting.chart.variables;
+    minima
+        .into_iter()
+        .map(|(metric, x)| OtherMetric {
+            metric,
+            values: x.iter().zip(variables).map(|(x, v)| v.value(*x)).collect(),
+        })
+        .collect()
+}
+
 /// Covariance and correlation of the estimates.
-fn in_parameters(
+pub(crate) fn in_parameters(
     setting: &Setting<'_>,
     estimates: &[Estimate],
     spread: Option<&Covariance>,

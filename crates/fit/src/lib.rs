@@ -29,6 +29,8 @@ pub mod selection;
 mod slab;
 pub mod solver;
 mod sorting;
+pub mod sphere;
+mod sphere_fit;
 mod start;
 mod warnings;
 
@@ -48,3 +50,5 @@ pub use recipes::{fit_model, fit_models};
 pub use result::Fit;
 pub use select::{Choice, HeldOut, candidates, leave_one_incidence_out, select};
 pub use selection::{Exclusion, Reason, Selection};
+pub use sphere::{SphereComparison, SphereData, SpherePart, SphereReading};
+pub use sphere_fit::fit_sphere;

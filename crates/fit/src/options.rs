@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::metric::{Loss, Metric};
-use crate::{Selection, Weights};
+use crate::{Selection, SphereData, Weights};
 
 /// Options of [`crate::fit`].
 #[derive(Clone, Debug)]
@@ -33,6 +33,8 @@ pub struct FitOptions<'a> {
     /// Parameters to begin with, one list a channel in the order of [`crate::FitModel::parameters`], in place of that
     /// search: where nearly the same readings were fitted before.
     pub start: Option<Vec<Vec<f64>>>,
+    /// Readings of an integrating sphere, which count as data as well.
+    pub sphere: SphereData,
     /// Set it from another thread to stop.
     pub cancel: Option<&'a AtomicBool>,
 }
@@ -52,6 +54,7 @@ impl Default for FitOptions<'_> {
             warnings: true,
             start_readings: 4000,
             start: None,
+            sphere: SphereData::default(),
             cancel: None,
         }
     }

@@ -45,6 +45,7 @@ fn model(name: &str, errors: &[f64], aicc: f64, open: Option<Open>) -> Ranked {
         residuals: Vec::new(),
         predicted: Vec::new(),
         albedo: None,
+        sphere: Vec::new(),
         warnings: Vec::new(),
     };
     let held_out: Vec<HeldOut> = errors

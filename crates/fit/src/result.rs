@@ -4,7 +4,7 @@ use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{Angles, Component};
 
 use crate::metric::{Loss, Metric};
-use crate::{Estimate, Exclusion, FitError, FitModel, LargestAlbedo, Weights};
+use crate::{Estimate, Exclusion, FitError, FitModel, LargestAlbedo, SphereComparison, Weights};
 
 /// Something to know before the parameters are used.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +95,8 @@ pub struct Fit {
     pub predicted: Vec<Vec<f64>>,
     /// The largest directional albedo at the measured incidences; `None` where the model refuses its parameters.
     pub albedo: Option<LargestAlbedo>,
+    /// Readings of an integrating sphere that took part, beside what the model says.
+    pub sphere: Vec<SphereComparison>,
     /// What to know before the parameters are used.
     pub warnings: Vec<Warning>,
 }

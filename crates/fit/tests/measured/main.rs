@@ -8,3 +8,4 @@ mod coverage;
 mod misfit;
 mod recovery;
 mod robustness;
+mod sphere;
