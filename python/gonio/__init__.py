@@ -29,14 +29,19 @@ from gonio.compact_files import write_compact
 from gonio.comparing import ComparedIncidence, ModelComparison, compare
 from gonio.comparing_pictures import compare_picture
 from gonio.demonstrating import DemoResult, demo
+from gonio.device_readings import GeometryCampaign, simulate_readings
+from gonio.devices import GeometryBsdf, PatchMeans, simulate_geometry
 from gonio.exporting import Export, export, read_radiance
 from gonio.fit_parameters import Estimate, FitModel, FitParameter
-from gonio.fit_results import Fit, FitWarning, HeldOut, Ranking, SliceResidual
+from gonio.fit_results import Fit, FitWarning, HeldOut, Ranking, SliceResidual, SphereResidual
+from gonio.fit_spheres import SphereReading, SphereReadings, fit_sphere, read_sphere_readings
 from gonio.fitting import fit, fit_models
 from gonio.inspecting import inspect
+from gonio.instruments import Instrument, read_instrument
 from gonio.measurement import Measurement
 from gonio.model_files import read_bsdf
 from gonio.picture_files import Picture, false_colour, tone_mapped
+from gonio.planning import Plan, PlannedLobe, PlannedScan, plan
 from gonio.previewing import preview, studio_scene
 from gonio.processing import process
 from gonio.radiance_materials import read_materials, write_materials
@@ -52,7 +57,12 @@ from gonio.rendering import (
 )
 from gonio.reporting import report
 from gonio.simulating import simulate
+from gonio.sphere_drawing import draw_sphere
+from gonio.sphere_integrals import ConeValue, SphereIntegrals, cone_integral, sphere_integrals
 from gonio.sphere_readings import SphereResult, specularity
+from gonio.sphere_simulation import SphereFlux, SphereMeasurement, SphereValue, sphere
+from gonio.spheres import Sphere, read_sphere
+from gonio.surface_geometry import SurfaceGeometry, surface_geometry
 from gonio.surface_roughness import Roughness, roughness
 from gonio.tabulating import tabulate
 
@@ -62,6 +72,7 @@ __all__ = [
     "Colour",
     "Compact",
     "ComparedIncidence",
+    "ConeValue",
     "DataDriven",
     "DemoResult",
     "DomainError",
@@ -73,14 +84,21 @@ __all__ = [
     "FitParameter",
     "FitWarning",
     "FormatError",
+    "GeometryBsdf",
+    "GeometryCampaign",
     "GonioError",
     "HeldOut",
     "HemisphericalIntegral",
+    "Instrument",
     "Measurement",
     "Model",
     "ModelComparison",
     "ModelParameter",
+    "PatchMeans",
     "Picture",
+    "Plan",
+    "PlannedLobe",
+    "PlannedScan",
     "QuantityError",
     "RadianceMaterial",
     "Ranking",
@@ -95,7 +113,16 @@ __all__ = [
     "SensorReadings",
     "Slice",
     "SliceResidual",
+    "Sphere",
+    "SphereFlux",
+    "SphereIntegrals",
+    "SphereMeasurement",
+    "SphereReading",
+    "SphereReadings",
+    "SphereResidual",
     "SphereResult",
+    "SphereValue",
+    "SurfaceGeometry",
     "Verdict",
     "__version__",
     "analytic",
@@ -106,30 +133,42 @@ __all__ = [
     "colour_of_channels",
     "compare",
     "compare_picture",
+    "cone_integral",
     "demo",
     "directional_albedo",
+    "draw_sphere",
     "export",
     "false_colour",
     "fit",
     "fit_models",
+    "fit_sphere",
     "inspect",
     "models",
+    "plan",
     "preview",
     "process",
     "read",
     "read_bsdf",
+    "read_instrument",
     "read_materials",
     "read_radiance",
     "read_scene",
     "read_sensors",
+    "read_sphere",
+    "read_sphere_readings",
     "reduce",
     "render",
     "render_sensors",
     "report",
     "roughness",
     "simulate",
+    "simulate_geometry",
+    "simulate_readings",
     "specularity",
+    "sphere",
+    "sphere_integrals",
     "studio_scene",
+    "surface_geometry",
     "tabulate",
     "tone_mapped",
     "write_compact",

@@ -1,6 +1,6 @@
 """Types of the native core. Angles are degrees, arrays are copies."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, final, overload
 
@@ -155,6 +155,7 @@ class Slice:
     def u_common(self) -> float: ...
     @property
     def integrals(self) -> list[HemisphericalIntegral]: ...
+    def highest(self, side: str) -> tuple[tuple[float, float], float, float, float] | None: ...
     def __len__(self) -> int: ...
 
 @final
@@ -336,7 +337,27 @@ def simulate(
     sample_name: str | None = None,
     started: str | None = None,
     settings: Mapping[str, float],
+    parts: Mapping[str, Any] | None = None,
+    beam_scans: int = 3,
+    watch: Callable[[int, int], None] | None = None,
 ) -> list[Scan]: ...
+def plan(
+    model: Bsdf,
+    *,
+    incidences: Sequence[tuple[float, float]],
+    components: Sequence[str],
+    seed: int,
+    settings: Mapping[str, float],
+    parts: Mapping[str, Any],
+    beam_scans: int,
+    target_integral: float,
+    target_peak: float,
+    seconds: float | None,
+    largest_pitch: float,
+    u_calibration: float,
+    regions: Sequence[tuple[float, float, float, float]],
+    watch: Callable[[int, int], None],
+) -> dict[str, Any]: ...
 def process(
     sample: Sequence[Scan],
     *,
@@ -525,11 +546,14 @@ class FitData:
     @property
     def warnings(self) -> list[tuple[str, str]]: ...
     @property
+    def sphere(self) -> list[dict[str, Any]]: ...
+    @property
     def parameters(self) -> dict[str, dict[str, float]]: ...
     @property
     def parts(self) -> list[dict[str, Any]]: ...
     def bsdf(self) -> Bsdf: ...
 
+def fit_sphere(*, model: str, settings: Mapping[str, Any]) -> FitData: ...
 def fit(measurement: MeasurementData, *, model: str, settings: Mapping[str, Any]) -> FitData: ...
 def held_out(
     measurement: MeasurementData, fit: FitData, *, settings: Mapping[str, Any]
@@ -603,6 +627,8 @@ def tabulate(
 class Scene:
     @property
     def primitives(self) -> int: ...
+    @property
+    def view(self) -> str | None: ...
 
 @final
 class Samples:
@@ -624,8 +650,93 @@ class RenderWatch:
 
 def studio_scene(model: Bsdf) -> tuple[Scene, str]: ...
 def read_scene(
-    paths: Sequence[PathLike[str]], search: Sequence[PathLike[str]]
+    paths: Sequence[PathLike[str]],
+    search: Sequence[PathLike[str]],
+    *,
+    model: Callable[[str | PathLike[str]], Bsdf],
 ) -> tuple[Scene, list[str]]: ...
+
+@final
+class Device:
+    @property
+    def window(self) -> tuple[float, float, float, float]: ...
+    def patches(
+        self,
+        *,
+        basis: str,
+        rays: int,
+        front: bool,
+        back: bool,
+        bounces: int,
+        seed: int,
+        watch: RenderWatch,
+    ) -> tuple[Klems, dict[tuple[str, str], tuple[NDArray[np.float64], NDArray[np.float64]]]]: ...
+
+def read_device(
+    paths: Sequence[PathLike[str]],
+    search: Sequence[PathLike[str]],
+    *,
+    model: Callable[[str | PathLike[str]], Bsdf],
+    window: Sequence[float] | None,
+    periodic: bool,
+) -> tuple[Device, list[str]]: ...
+def simulate_device(
+    device: Device,
+    *,
+    unit: float,
+    share: float,
+    joined: int,
+    met: int,
+    incidences: Sequence[tuple[float, float]],
+    components: Sequence[str],
+    seed: int,
+    sample_name: str | None = None,
+    started: str | None = None,
+    settings: Mapping[str, float],
+    parts: Mapping[str, Any] | None = None,
+    beam_scans: int = 3,
+    watch: Callable[[int, int], None] | None = None,
+) -> tuple[list[Scan], list[tuple[int, int, list[float]]]]: ...
+def rounded_rays(rays: int) -> int: ...
+
+@final
+class IntegratingSphere:
+    def __init__(
+        self,
+        *,
+        arrangement: str,
+        settings: Mapping[str, float],
+        baffles: Sequence[tuple[str, str, float, float, float]],
+    ) -> None: ...
+    @property
+    def ports(self) -> list[tuple[str, list[float], float, float]]: ...
+    @property
+    def screens(self) -> list[tuple[list[float], list[float], float]]: ...
+    @property
+    def cone(self) -> tuple[float, float] | None: ...
+    def integrals(self, model: Bsdf, *, channel: str | None = None) -> tuple[float, float | None]: ...
+    def multiplier(self, *, first: float, filled: Mapping[str, float]) -> float: ...
+    def measure(
+        self,
+        model: Bsdf,
+        *,
+        channel: str | None,
+        method: str,
+        rays: int,
+        seed: int,
+        watch: RenderWatch,
+    ) -> dict[str, Any]: ...
+
+def cone_integral(
+    model: Bsdf,
+    *,
+    theta_i: float,
+    phi_i: float,
+    component: str,
+    half_angle: float,
+    channel: str | None = None,
+) -> float: ...
+def klems_solid_angles(basis: str) -> NDArray[np.float64]: ...
 def read_view(path: str | PathLike[str]) -> str: ...
 def view_options(text: str, width: int, height: int) -> tuple[str, int, int]: ...
 def render_picture(

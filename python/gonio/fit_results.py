@@ -74,6 +74,28 @@ class LargestAlbedo:
 
 
 @dataclass(frozen=True)
+class SphereResidual:
+    """A reading of an integrating sphere beside what the fitted model says.
+
+    `part` is total (all light), diffuse (all but the cone of `half_angle` degrees about the mirrored or
+    unbent direction) or port (that cone). `before` and `u_before` are what the model fitted to everything
+    else says, and its standard uncertainty; None where there was nothing else.
+    """
+
+    channel: str
+    theta_i: float
+    phi_i: float
+    component: str
+    part: str
+    half_angle: float | None
+    value: float
+    u: float
+    predicted: float
+    before: float | None
+    u_before: float | None
+
+
+@dataclass(frozen=True)
 class Correlation:
     """Two estimates, by label, that are correlated by `value`."""
 
@@ -117,6 +139,8 @@ class Fit:
         Errors at each incidence from a fit to the others; empty when not asked for or with one incidence.
     albedo
         The largest albedo at the measured incidences; None where the model refuses its parameters.
+    sphere
+        Readings of an integrating sphere that took part, each with the cone it refers to.
     warnings
         What to know before the parameters are used.
     parts
@@ -154,6 +178,7 @@ class Fit:
     parts: tuple[Mapping[str, Any], ...]
     provenance: Mapping[str, Any]
     ranking: Ranking | None = None
+    sphere: tuple[SphereResidual, ...] = ()
     _data: FitData | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
@@ -235,6 +260,7 @@ class Fit:
             "residuals": [asdict(r) for r in self.residuals],
             "held_out": [asdict(h) for h in self.held_out],
             "albedo": None if self.albedo is None else asdict(self.albedo),
+            "sphere": [asdict(s) for s in self.sphere],
             "warnings": [asdict(w) for w in self.warnings],
             "parts": [dict(p) for p in self.parts],
             "provenance": dict(self.provenance),
@@ -328,6 +354,7 @@ def fit_of(
         parts=tuple(data.parts),
         provenance=provenance,
         ranking=ranking,
+        sphere=tuple(SphereResidual(**row) for row in data.sphere),
         _data=data,
     )
 

@@ -16,10 +16,12 @@ from gonio.checking import MeasurementOrPath
 from gonio.compact_files import COMPACT_FORMAT
 from gonio.fit_parameters import FitModel, FitParameter
 from gonio.fit_results import Fit, FitWarning, Ranking, fit_of
+from gonio.fit_spheres import SphereReadings, loaded_readings
 from gonio.measurement import Measurement
 from gonio.measurement_header import JSON_NAME
 from gonio.model_files import RGL_FORMAT, is_zemax, model_format
 from gonio.provenance import input_file, provenance
+from gonio.readings import PathLike
 from gonio.tabulating import U_FLOOR, U_RELATIVE, tabulate
 from gonio.working import Progress, interruptible, silent
 
@@ -73,6 +75,7 @@ def fit(
     held_out: bool = True,
     u_relative: float | None = None,
     u_floor: float | None = None,
+    sphere: SphereReadings | PathLike | None = None,
     progress: Progress = silent,
 ) -> Fit:
     """Fit an analytic model to all incidences and channels at once, or find the best of several.
@@ -120,6 +123,9 @@ def fit(
     u_relative, u_floor
         Of a file of a measured material: the standard uncertainty its values are given, relative and at dsf 0
         in 1/sr, as in `gonio.tabulate`; None is 0.01 and 0.0002. A measurement states its own.
+    sphere
+        Readings of an integrating sphere, or their file (docs/formats/sphere-toml.md), that count as data
+        beside those of the goniometer; `Fit.sphere` compares each with the model and states its cone.
     progress
         Called with stage, parts done and parts in all.
 
@@ -173,6 +179,10 @@ def fit(
         name: float(u) for name, u in (("u_relative", u_relative), ("u_floor", u_floor)) if u is not None
     }
     sample, inputs = fit_input(measurement, channels=channels, stated=stated)
+    if sphere is not None:
+        settings["sphere"] = loaded_readings(sphere).native(channels=settings["channels"] or sample.channels)
+        if not isinstance(sphere, SphereReadings):
+            inputs = [*inputs, input_file(Path(sphere), role="sphere")]
     _require_component(sample, component, settings["channels"])
     origin = provenance(inputs=inputs, settings={"model": model, "models": wanted} | settings | stated)
     if "primaries" in sample.provenance:

@@ -9,10 +9,10 @@ from gonio import _native
 from gonio._native import Bsdf, DomainError, Scene
 from gonio.files import check_file
 from gonio.materials import MATERIALS, material
-from gonio.model_files import read_bsdf
 from gonio.picture_files import PICTURE_SUFFIXES, Picture, tone_mapped
 from gonio.readings import PathLike
 from gonio.rendering import Report, render, unwatched
+from gonio.shown_models import shown_model
 
 
 def studio_scene(model: Bsdf) -> tuple[Scene, str]:
@@ -50,7 +50,9 @@ def preview(
     Parameters
     ----------
     model
-        A model, the name of a known material (`gonio.materials.MATERIALS`), or a file that `read_bsdf` reads.
+        A model, the name of a known material (`gonio.materials.MATERIALS`), a file that `read_bsdf` reads, a
+        fit (its directory or fit.json), or the directory of a measurement, of which a data-driven model is
+        built.
     out
         The file: .png is tone-mapped for the eye (Reinhard's curve, exposure from the picture), .exr and .hdr
         hold radiances. Without it nothing is written.
@@ -94,4 +96,4 @@ def _model(model: Bsdf | PathLike, channel: str | None) -> Bsdf:
     name = os.fspath(model)
     if name in MATERIALS and not Path(name).exists():
         return material(name).bsdf
-    return read_bsdf(name, channel=channel)
+    return shown_model(name, channel=channel)

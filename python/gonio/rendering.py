@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from gonio.files import check_file
 from gonio.picture_files import PICTURE_SUFFIXES, Picture, write_picture
 from gonio.readings import PathLike
 from gonio.rendering_state import Job, forget, resume_or_new, save_state, state_path
+from gonio.shown_models import model_of_scene
 from gonio.working import finishing, interruptible
 
 Array = NDArray[np.float64]
@@ -46,21 +48,23 @@ def unwatched(progress: RenderProgress) -> None:
     """Progress that nobody watches."""
 
 
-def read_scene(*files: PathLike, search: Sequence[PathLike] = ()) -> tuple[Scene, list[str]]:
-    """Read a scene of Radiance text.
+def read_scene(*files: PathLike, search: Sequence[PathLike] | None = None) -> tuple[Scene, list[str]]:
+    """Read a scene of Radiance text, or of YAML (docs/formats/scene-yaml.md).
 
     Parameters
     ----------
     files
-        The files, one after the other as `oconv` takes them: what one names the next may use.
+        The files, one after the other as `oconv` takes them: what one names the next may use. Those that end
+        in .yaml or .yml are YAML, all others Radiance text.
     search
-        Folders in which files are looked for that a scene names, after that of the file that names them.
-        RAYPATH is not read.
+        Folders in which files are looked for that a scene names, after that of the file that names them. None
+        takes those of the environment variable RAYPATH, and without it the working directory.
 
     Returns
     -------
     Scene, list of str
-        The scene, and what it is read without: warnings that name file and line.
+        The scene, with the view that a YAML file names (`view`, None without), and what it is read without:
+        warnings that name file and line.
 
     Raises
     ------
@@ -73,8 +77,14 @@ def read_scene(*files: PathLike, search: Sequence[PathLike] = ()) -> tuple[Scene
         No such file.
     """
     _check("files", len(files) > 0, "none", "at least one")
-    paths, folders = [Path(f) for f in files], [Path(f) for f in search]
-    return interruptible(lambda: _native.read_scene(paths, folders))
+    paths = [Path(f) for f in files]
+    folders = ray_path() if search is None else [Path(f) for f in search]
+    return interruptible(lambda: _native.read_scene(paths, folders, model=model_of_scene))
+
+
+def ray_path() -> list[Path]:
+    """Folders of Radiance's environment variable RAYPATH; without it the working directory."""
+    return [Path(folder) for folder in os.environ.get("RAYPATH", ".").split(os.pathsep) if folder]
 
 
 def read_sensors(path: PathLike) -> Array:
@@ -157,7 +167,7 @@ def render(
         Largest width and height in pixels; pixels are square, so one of them is smaller where the view is not
         as wide as high.
     samples
-        Paths a pixel, at most; rounded up to a multiple of 16.
+        Paths a pixel, at most; rounded up to a multiple of 8.
     relative_error
         A pixel is done when the standard error of its luminance is below this fraction of it (of a hundredth
         of the mean luminance where it is darker). Without it all pixels take all samples.
@@ -251,7 +261,7 @@ def render_sensors(
     sensors
         Rows of x, y, z and the normal nx, ny, nz (of any length), as `rtrace -I` takes them.
     samples
-        Paths a sensor, at most; rounded up to a multiple of 16.
+        Paths a sensor, at most; rounded up to a multiple of 8.
     relative_error
         A sensor is done when the standard error of its illuminance is below this fraction of it (of a
         hundredth of the mean illuminance where it is darker). None: all take all samples.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gonio_bsdf as core;
 use gonio_bsdf::Channel;
 use gonio_bsdf::analytic::{
-    Law, ModelInfo, ParameterInfo, Parametric, Role, Scatters, Sum, model_named, models,
+    Law, ModelInfo, ParameterInfo, Parametric, Role, Scatters, Sum, lobe_named, models,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -62,7 +62,7 @@ impl Part {
             return Err(domain("model", "nothing", "the name of a model"));
         };
         rest.del_item("model")?;
-        let model = model_named(&name.extract::<String>()?).or_raise()?;
+        let model = lobe_named(&name.extract::<String>()?).or_raise()?;
         let info = model.info();
         let mut values = Vec::with_capacity(info.parameters.len());
         for p in info.parameters {

@@ -10,9 +10,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::analytic::role_name;
+use crate::arrays::angles;
 use crate::bsdf::Bsdf;
 use crate::errors::{DomainError, FitError, OrRaise, QuantityError, Raise, domain};
 use crate::fit_data::{FitData, residual, shown};
+use crate::simulate::component;
 use crate::slice::MeasurementData;
 
 impl Raise for core::FitError {
@@ -102,17 +104,62 @@ fn options(settings: &Bound<'_, PyDict>, models: &[core::FitModel]) -> PyResult<
                     .collect::<PyResult<_>>()?;
             }
             "profile" => o.profile = value.extract()?,
+            "sphere" => o.sphere = sphere(&value)?,
             other => {
                 return Err(domain(
                     "fit option",
                     format!("{other:?}"),
                     "metric, loss, weights, by_solid_angle, channels, component, max_theta_s, retro_radius, signature, \
-                     fixed, compare, profile",
+                     fixed, compare, profile, sphere",
                 ));
             }
         }
     }
     Ok(o)
+}
+
+/// A reading of a sphere: channel, (theta_i, phi_i), component, part, half angle of the cone (degrees; 0 for all), value.
+type SphereRow = (String, (f64, f64), String, String, f64, f64);
+
+/// Readings of a sphere with their covariance, row after row.
+fn sphere(value: &Bound<'_, PyAny>) -> PyResult<core::SphereData> {
+    let (rows, covariance): (Vec<SphereRow>, Vec<f64>) = value.extract()?;
+    let readings = rows
+        .into_iter()
+        .map(|(channel, (theta_i, phi_i), side, part, half_angle, value)| {
+            let half = half_angle.to_radians();
+            Ok(core::SphereReading {
+                channel: channel.parse::<Channel>().or_raise()?,
+                incidence: angles(["theta_i", "phi_i"], theta_i, phi_i)?,
+                component: component(&side)?,
+                part: match part.as_str() {
+                    "total" => core::SpherePart::Total,
+                    "port" => core::SpherePart::Port(half),
+                    "diffuse" => core::SpherePart::Rest(half),
+                    other => {
+                        return Err(domain(
+                            "sphere.part",
+                            format!("{other:?}"),
+                            "total, port, diffuse",
+                        ));
+                    }
+                },
+                value,
+            })
+        })
+        .collect::<PyResult<_>>()?;
+    Ok(core::SphereData { readings, covariance })
+}
+
+/// Fits one model to readings of a sphere alone.
+#[pyfunction]
+#[pyo3(signature = (*, model, settings))]
+fn fit_sphere(py: Python<'_>, model: &str, settings: &Bound<'_, PyDict>) -> PyResult<FitData> {
+    let model = core::fit_model(model).or_raise()?;
+    let options = options(settings, std::slice::from_ref(&model))?;
+    Ok(FitData(
+        py.detach(|| core::fit_sphere(&model, &options)).or_raise()?,
+    ))
 }
 
 /// Fits one model.
@@ -261,6 +308,7 @@ fn fit_model_bsdf(model: &str, parameters: &Bound<'_, PyDict>) -> PyResult<Bsdf>
 pub(crate) fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<FitData>()?;
     m.add_function(wrap_pyfunction!(fit, m)?)?;
+    m.add_function(wrap_pyfunction!(fit_sphere, m)?)?;
     m.add_function(wrap_pyfunction!(held_out, m)?)?;
     m.add_function(wrap_pyfunction!(select, m)?)?;
     m.add_function(wrap_pyfunction!(fit_models, m)?)?;

@@ -185,6 +185,37 @@ impl FitData {
         self.0.warnings.iter().map(|w| (w.code, w.text.clone())).collect()
     }
 
+    /// One dict a reading of a sphere: channel, theta_i, phi_i (degrees), component, part, half_angle (degrees, None of a total),
+    /// value, u, predicted, before and u_before (the model without the sphere; None where there was nothing else).
+    #[getter]
+    fn sphere<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.0
+            .sphere
+            .iter()
+            .map(|c| {
+                let (part, half) = match c.reading.part {
+                    core::SpherePart::Total => ("total", None),
+                    core::SpherePart::Port(half) => ("port", Some(half)),
+                    core::SpherePart::Rest(half) => ("diffuse", Some(half)),
+                };
+                let (theta_i, phi_i) = c.reading.incidence.to_degrees();
+                let dict = PyDict::new(py);
+                dict.set_item("channel", c.reading.channel.to_string())?;
+                dict.set_item("theta_i", theta_i)?;
+                dict.set_item("phi_i", phi_i)?;
+                dict.set_item("component", c.reading.component.to_string())?;
+                dict.set_item("part", part)?;
+                dict.set_item("half_angle", half.map(f64::to_degrees))?;
+                dict.set_item("value", c.reading.value)?;
+                dict.set_item("u", c.u)?;
+                dict.set_item("predicted", c.predicted)?;
+                dict.set_item("before", c.before.map(|b| b.0))?;
+                dict.set_item("u_before", c.before.map(|b| b.1))?;
+                Ok(dict)
+            })
+            .collect()
+    }
+
     /// The parameters of each channel by name, angles in degrees.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

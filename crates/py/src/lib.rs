@@ -7,12 +7,14 @@ mod bsdf;
 mod checking;
 mod compact;
 mod compact_parts;
+mod device;
 mod errors;
 mod files;
 mod fit;
 mod fit_data;
 mod model;
 mod model_files;
+mod plan;
 mod processing;
 mod radiance;
 mod radiance_material;
@@ -22,6 +24,7 @@ mod rgl;
 mod scan;
 mod simulate;
 mod slice;
+mod sphere;
 mod tabulate;
 mod verdict;
 mod weights;
@@ -42,6 +45,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     processing::register(m)?;
     checking::register(m)?;
     compact::register(m)?;
+    device::register(m)?;
     radiance::register(m)?;
     radiance_material::register(m)?;
     rgl::register(m)?;
@@ -49,12 +53,14 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     render::register(m)?;
     resolution::register(m)?;
     slice::register(m)?;
+    sphere::register(m)?;
     tabulate::register(m)?;
     verdict::register(m)?;
     bsdf::register(m)?;
     model::register(m)?;
     model_files::register(m)?;
     analytic::register(m)?;
+    plan::register(m)?;
     simulate::register(m)?;
     weights::register(m)
 }

@@ -201,7 +201,12 @@ fn material_dict(py: Python<'_>, m: &Material) -> PyResult<Py<PyDict>> {
     Ok(d.unbind())
 }
 
-fn wrap(py: Python<'_>, model: Tabulated, report: Py<PyDict>, material: Py<PyDict>) -> PyResult<Py<PyAny>> {
+pub(crate) fn wrap(
+    py: Python<'_>,
+    model: Tabulated,
+    report: Py<PyDict>,
+    material: Py<PyDict>,
+) -> PyResult<Py<PyAny>> {
     match model {
         Tabulated::Klems(k) => {
             let model = Arc::new(k);

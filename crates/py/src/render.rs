@@ -1,12 +1,13 @@
 //! Scenes, pictures and sensors.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::Vec3;
 use gonio_bsdf::Channel;
 use gonio_io::picture as files;
+use gonio_scene::text::{Files, ModelReader};
 use gonio_scene::view;
 use gonio_trace::camera::{Camera, View, ViewError};
 use gonio_trace::material::Material;
@@ -37,18 +38,36 @@ impl Raise for SceneError {
 
 /// What is rendered.
 #[pyclass(frozen, module = "gonio", name = "Scene")]
-pub(crate) struct Scene(Arc<scene::Scene>);
+pub(crate) struct Scene {
+    scene: Arc<scene::Scene>,
+    view: Option<String>,
+}
+
+impl Scene {
+    fn new(scene: scene::Scene, view: Option<String>) -> Self {
+        Scene {
+            scene: Arc::new(scene),
+            view,
+        }
+    }
+}
 
 #[pymethods]
 impl Scene {
     /// Number of triangles and curved surfaces.
     #[getter]
     fn primitives(&self) -> usize {
-        self.0.primitives()
+        self.scene.primitives()
+    }
+
+    /// The view that its file names, by RADIANCE's options; None without.
+    #[getter]
+    fn view(&self) -> Option<&str> {
+        self.view.as_deref()
     }
 
     fn __repr__(&self) -> String {
-        format!("Scene({} primitives)", self.0.primitives())
+        format!("Scene({} primitives)", self.scene.primitives())
     }
 }
 
@@ -63,15 +82,44 @@ impl Raise for gonio_scene::SceneError {
     }
 }
 
-/// The scene of files of RADIANCE text, and what it is read without.
+/// The scene of files of RADIANCE text and YAML, and what it is read without. `model` reads models in files that neither of
+/// RADIANCE nor RGL are.
 #[pyfunction]
-fn read_scene(py: Python<'_>, paths: Vec<PathBuf>, search: Vec<PathBuf>) -> PyResult<(Scene, Vec<String>)> {
+#[pyo3(signature = (paths, search, *, model))]
+fn read_scene(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    search: Vec<PathBuf>,
+    model: Py<PyAny>,
+) -> PyResult<(Scene, Vec<String>)> {
     py.detach(|| {
-        let loaded = gonio_scene::read(&paths, &search).or_raise()?;
-        let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
+        let (loaded, warnings) = load(&paths, search, model)?;
+        let view = loaded.view.map(|v| v.to_string());
         let scene = scene::Scene::new(loaded.parts).or_raise()?;
-        Ok((Scene(Arc::new(scene)), warnings))
+        Ok((Scene::new(scene, view), warnings))
     })
+}
+
+/// What files of scenes hold, and the warnings about it; without the interpreter.
+pub(crate) fn load(
+    paths: &[PathBuf],
+    search: Vec<PathBuf>,
+    model: Py<PyAny>,
+) -> PyResult<(gonio_scene::Loaded, Vec<String>)> {
+    let read = move |path: &Path| -> Result<Arc<dyn gonio_bsdf::Bsdf>, String> {
+        Python::attach(|py| {
+            let made = model.call1(py, (path,));
+            let made = made.and_then(|m| Ok(m.bind(py).cast::<Bsdf>()?.get().0.clone()));
+            made.map_err(|e| e.value(py).to_string())
+        })
+    };
+    let files = Files {
+        search,
+        models: Some(ModelReader(Arc::new(read))),
+    };
+    let loaded = gonio_scene::read_with(paths, &files).or_raise()?;
+    let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
+    Ok((loaded, warnings))
 }
 
 /// A ball of a model on a plane, under a lamp and a sky, and the view of it.
@@ -87,7 +135,7 @@ fn studio_scene(model: &Bsdf) -> PyResult<(Scene, String)> {
     }
     let up = (!model.0.properties().isotropic).then_some(Vec3::Z);
     let scene = studio::scene(Material::model(Arc::clone(&model.0), up)).or_raise()?;
-    Ok((Scene(Arc::new(scene)), studio::view().to_string()))
+    Ok((Scene::new(scene, None), studio::view().to_string()))
 }
 
 /// All options of the view of a file.
@@ -148,6 +196,15 @@ impl RenderWatch {
 }
 
 impl RenderWatch {
+    /// The share of the work that is done.
+    pub(crate) fn hear_of(&self, done: f64) {
+        self.done.store(done.to_bits(), Ordering::Relaxed);
+    }
+
+    pub(crate) fn stop_flag(&self) -> &AtomicBool {
+        &self.stop
+    }
+
     fn hear(&self, report: Report) {
         self.done.store(report.done.to_bits(), Ordering::Relaxed);
         self.error.store(report.error.to_bits(), Ordering::Relaxed);
@@ -263,6 +320,7 @@ fn effort(samples: u32, relative_error: Option<f64>, bounces: u32, seed: u64) ->
             ..Limits::default()
         },
         seed,
+        share: true,
     }
 }
 
@@ -309,7 +367,7 @@ fn render_picture(
     };
     py.detach(|| {
         on_threads(threads, || {
-            picture.render(&scene.0, &camera, &effort, &watch.stop, &|r| watch.hear(r));
+            picture.render(&scene.scene, &camera, &effort, &watch.stop, &|r| watch.hear(r));
         })
     })?;
     let mut into = into.try_borrow_mut()?;
@@ -359,7 +417,7 @@ fn render_sensors(
     (readings.pixels, readings.round) = into.try_borrow_mut()?.take();
     py.detach(|| {
         on_threads(threads, || {
-            readings.measure(&scene.0, &effort, &watch.stop, &|r| watch.hear(r));
+            readings.measure(&scene.scene, &effort, &watch.stop, &|r| watch.hear(r));
         })
     })?;
     let mut into = into.try_borrow_mut()?;

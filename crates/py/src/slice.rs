@@ -13,6 +13,9 @@ use crate::arrays::{Column, FlagColumn, angles, canonical_columns, column, degre
 use crate::errors::{OrRaise, domain};
 use crate::resolution::Resolution;
 
+/// Where a reading is the highest, its value, standard uncertainty, and the part of it that sampling leaves.
+type Highest = ((f64, f64), f64, f64, f64);
+
 /// DHR (same side as the incidence) or DHT (other side) of one slice.
 #[pyclass(frozen, module = "gonio", name = "HemisphericalIntegral")]
 pub(crate) struct HemisphericalIntegral(core::measurement::HemisphericalIntegral);
@@ -225,6 +228,14 @@ impl Slice {
             .iter()
             .map(|&i| HemisphericalIntegral(i))
             .collect()
+    }
+
+    /// The highest usable reading over hemisphere `side` (front, back), None where nothing is above zero: theta_s and phi_s in
+    /// degrees, its dsf, standard uncertainty of that as the height of the lobe, and the part of it from readings that stand
+    /// beside the lobe's top.
+    fn highest(&self, side: &str) -> PyResult<Option<Highest>> {
+        let found = core::highest(self.get(), side_of(side)?);
+        Ok(found.map(|h| (h.at.to_degrees(), h.value, h.u, h.u_sampling)))
     }
 
     fn __len__(&self) -> usize {

@@ -17,6 +17,7 @@ from gonio.cli.export import export
 from gonio.cli.fit import fit
 from gonio.cli.inspect import inspect
 from gonio.cli.models import models
+from gonio.cli.plan import plan
 from gonio.cli.process import process
 from gonio.cli.reduce import reduce
 from gonio.cli.render import render
@@ -25,6 +26,7 @@ from gonio.cli.roughness import roughness
 from gonio.cli.running import EXIT_ERROR, EXIT_INTERRUPTED, err, guarded, verb
 from gonio.cli.simulate import simulate
 from gonio.cli.specularity import specularity
+from gonio.cli.sphere import sphere
 
 app = typer.Typer(
     name="gonio",
@@ -61,7 +63,9 @@ for function in (
     report,
     render,
     simulate,
+    plan,
     models,
+    sphere,
     specularity,
     roughness,
     colour,

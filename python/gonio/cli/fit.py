@@ -20,8 +20,12 @@ SHOWN = 12
 
 def fit(
     measurement: Annotated[
-        Path, typer.Argument(help="Directory written by gonio process, or a measured material (RGL .bsdf).")
-    ],
+        Path | None,
+        typer.Argument(
+            help="Directory written by gonio process, or a measured material (RGL .bsdf); none with --sphere "
+            "alone."
+        ),
+    ] = None,
     model: Annotated[
         str,
         typer.Option(
@@ -77,6 +81,12 @@ def fit(
             "--u-floor", help="The same at a DSF of 0, 1/sr; 0.0002 without it. Both add in squares."
         ),
     ] = None,
+    sphere: Annotated[
+        Path | None,
+        typer.Option(
+            "--sphere", help="Readings of an integrating sphere (TOML) that count as data as well, or alone."
+        ),
+    ] = None,
     colour: Annotated[
         str | None,
         typer.Option(metavar="R,G,B", help="Colour at any scale for the materials of a fit of one channel."),
@@ -111,23 +121,28 @@ def fit(
             "only the written materials are labelled: give --out", param_hint="--as-visible"
         )
     with progress_bar(hidden=json) as progress:
-        found = gonio.fit(
-            measurement,
-            model=model,
-            models=models or [],
-            channels=channel,
-            component=component,
-            metric=metric,
-            loss=loss,
-            weights=weights,
-            by_solid_angle=by_solid_angle,
-            fixed=fixed,
-            max_theta_s=max_theta_s,
-            retro_radius=retro_radius,
-            signature=signature,
-            u_relative=u_relative,
-            u_floor=u_floor,
-            progress=progress,
+        found = (
+            _of_sphere(sphere, model, fixed)
+            if measurement is None
+            else gonio.fit(
+                measurement,
+                model=model,
+                models=models or [],
+                channels=channel,
+                component=component,
+                metric=metric,
+                loss=loss,
+                weights=weights,
+                by_solid_angle=by_solid_angle,
+                fixed=fixed,
+                max_theta_s=max_theta_s,
+                retro_radius=retro_radius,
+                signature=signature,
+                u_relative=u_relative,
+                u_floor=u_floor,
+                sphere=sphere,
+                progress=progress,
+            )
         )
         saved = None
         if to is not None:
@@ -164,6 +179,29 @@ def fit(
         out.print(f"{saved.out}: {', '.join(saved.files)}")
 
 
+def _of_sphere(sphere: Path | None, model: str, fixed: dict[str, float]) -> gonio.Fit:
+    """The fit to readings of a sphere alone."""
+    if sphere is None:
+        raise typer.BadParameter("missing, allowed a measurement, or --sphere", param_hint="MEASUREMENT")
+    if model == "auto":
+        raise typer.BadParameter(
+            "found auto with readings of a sphere alone, allowed one model, such as plastic",
+            param_hint="--model",
+        )
+    return gonio.fit_sphere(sphere, model=model, fixed=fixed)
+
+
+def _print_sphere(found: gonio.Fit) -> None:
+    """Readings of a sphere beside the model, each with its cone."""
+    for s in found.sphere:
+        cone = "" if s.half_angle is None else f" (all but the cone of {s.half_angle:.4g} deg)"
+        before = "" if s.before is None else f", {s.before:.4f} ± {s.u_before:.2g} without it"
+        out.print(
+            f"  sphere, {s.component} at theta_i {s.theta_i:.4g}, {s.channel}, {s.part}{cone}: "
+            f"{s.value:.4f} ± {s.u:.2g}; model {s.predicted:.4f}{before}"
+        )
+
+
 def _print_fit(found: gonio.Fit) -> None:
     """The parameters and how well they describe the readings."""
     channels = ", ".join(found.channels) if len(found.channels) <= 4 else f"{len(found.channels)} channels"
@@ -171,11 +209,13 @@ def _print_fit(found: gonio.Fit) -> None:
     out.print(f"  {found.readings} readings, {channels}, metric {found.metric}", end="")
     left_out = ", ".join(f"{n} {reason.replace('_', ' ')}" for reason, n in found.excluded.items())
     out.print(f"; left out: {left_out}" if left_out else "")
-    out.print(f"  residuals are typically {found.noise_ratio:.3g} times the stated noise")
+    if found.residuals:
+        out.print(f"  residuals are typically {found.noise_ratio:.3g} times the stated noise")
     width = max(len("parameter"), *(len(e.label) for e in found.estimates))
     out.print(f"  {'parameter':<{width}}  {'value':>11}  {'u':>9}  {'95 % interval':<24}  {'u_model':>9}")
     for e in found.estimates:
         out.print(f"  {e.label:<{width}}  {_row(e)}")
+    _print_sphere(found)
     for c in found.notable_correlations:
         out.print(f"  correlation of {c.first} and {c.second}: {c.value:+.2f}")
     if found.held_out:

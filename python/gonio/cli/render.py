@@ -21,10 +21,13 @@ from gonio.rendering import RenderProgress, Report
 def render(
     scene: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="SCENE.rad", help="Radiance scene files, in order."),
+        typer.Argument(metavar="SCENE", help="Scene files, in order: Radiance text, .yaml."),
     ] = None,
     view: Annotated[
-        str | None, typer.Option("--view", help="View file, or Radiance's view options as one text.")
+        str | None,
+        typer.Option(
+            "--view", help="View file, or Radiance's view options as one text. A .yaml may name its own."
+        ),
     ] = None,
     sensors: Annotated[
         Path | None,
@@ -35,8 +38,8 @@ def render(
         typer.Option(
             "--preview",
             metavar="MATERIAL",
-            help="A ball of a material in place of a scene: a file (XML, RGL, MERL, .rad, compact) or "
-            f"{', '.join(MATERIALS)}.",
+            help="A ball of a material in place of a scene: a file (XML, RGL, MERL, .rad, compact, "
+            f"fit.json), a directory of gonio fit or gonio process, or {', '.join(MATERIALS)}.",
         ),
     ] = None,
     to: Annotated[
@@ -65,7 +68,9 @@ def render(
     seed: Annotated[int, typer.Option(help="Seed of the random numbers.")] = 1,
     search: Annotated[
         list[Path] | None,
-        typer.Option("-I", "--search", help="Folder for files that the scene names; repeat it."),
+        typer.Option(
+            "-I", "--search", help="Folder for files that the scene names; repeat it. Without it RAYPATH."
+        ),
     ] = None,
     channel: Annotated[
         str | None, typer.Option("--channel", help="Of --preview: channel of a file that is shown, in grey.")
@@ -79,11 +84,10 @@ def render(
     json: Json = False,
 ) -> None:
     """Render a scene or a ball of a material, or measure irradiance at points of a scene."""
-    modes = (view is not None, sensors is not None, preview is not None)
-    if sum(modes) != 1:
-        raise typer.BadParameter("allowed exactly one of --view, --sensors, --preview", param_hint="mode")
+    if sum((view is not None, sensors is not None, preview is not None)) > 1:
+        raise typer.BadParameter("allowed one of --view, --sensors, --preview", param_hint="mode")
     if (preview is None) != bool(scene):
-        raise typer.BadParameter("needed with --view and --sensors alone", param_hint="SCENE.rad")
+        raise typer.BadParameter("needed with --view and --sensors, but not --preview", param_hint="SCENE")
     if sensors is None and to is None:
         raise typer.BadParameter("needed for a picture", param_hint="--out")
     if resume and (preview is not None or to is None):
@@ -102,10 +106,13 @@ def render(
             )
         _tell_picture(picture, to, json=json, warnings=[])
         return
-    read, warnings = gonio.read_scene(*(scene or []), search=search or [])
+    read, warnings = gonio.read_scene(*(scene or []), search=search)
     if not json:
         warn(warnings)
-    if view is not None:
+    if sensors is None:
+        view = view or read.view
+        if view is None:
+            raise typer.BadParameter("needed: the scene names no view", param_hint="--view")
         with render_bar(hidden=json) as progress:
             picture = gonio.render(
                 read,
@@ -121,21 +128,20 @@ def render(
             )
         _tell_picture(picture, to, json=json, warnings=warnings)
         return
-    if sensors is not None:
-        rows = gonio.read_sensors(sensors)
-        with render_bar(hidden=json) as progress:
-            found = gonio.render_sensors(
-                read,
-                rows,
-                samples=1 << 16 if samples is None else samples,
-                relative_error=0.01 if relative_error is None else relative_error,
-                seed=seed,
-                bounces=bounces,
-                state=to,
-                resume=resume,
-                progress=progress,
-            )
-        _tell_sensors(found, to, lux=lux, json=json, warnings=warnings)
+    rows = gonio.read_sensors(sensors)
+    with render_bar(hidden=json) as progress:
+        found = gonio.render_sensors(
+            read,
+            rows,
+            samples=1 << 16 if samples is None else samples,
+            relative_error=0.01 if relative_error is None else relative_error,
+            seed=seed,
+            bounces=bounces,
+            state=to,
+            resume=resume,
+            progress=progress,
+        )
+    _tell_sensors(found, to, lux=lux, json=json, warnings=warnings)
 
 
 def _size(text: str | None, default: int) -> tuple[int, int]:
