@@ -1,5 +1,7 @@
 """Pictures and sensors through the Python interface."""
 
+import subprocess
+import sys
 import threading
 
 import gonio
@@ -182,6 +184,23 @@ def test_an_error_in_the_work_and_an_interruption_wait_for_its_end():
     came = rendering.finishing(work, tick=press, stop=stop.set)
     assert isinstance(came, KeyboardInterrupt)
     assert ended.is_set()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_ctrl_c_itself_waits_for_the_end_of_the_work():
+    # A signal, not an exception of ours: it may arrive within any wait.
+    code = """
+import os, signal, threading, time
+from gonio.working import finishing
+ended = []
+def work():
+    time.sleep(0.5)
+    ended.append(True)
+threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+print(type(finishing(work)).__name__, ended)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["KeyboardInterrupt", "[True]"]
 
 
 def test_radiance_reads_the_picture(tmp_path, studio):

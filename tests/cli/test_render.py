@@ -95,5 +95,5 @@ def test_what_cannot_be_rendered_is_one_line(run, tmp_path):
     one_clear_error(run("render", "room.rad", "--sensors", "bad.txt"), "bad.txt:2")
     (tmp_path / "bad.rad").write_text("void light lamp 0 0 3 1 1\n")
     one_clear_error(run("render", "bad.rad", "--sensors", "points.txt"), "bad.rad")
-    one_clear_error(run("render", "--view", "room.vf", "-o", "a.hdr"), "SCENE.rad")
+    one_clear_error(run("render", "--view", "room.vf", "-o", "a.hdr"), "SCENE")
     assert not (tmp_path / "a.hdr").exists()

@@ -20,14 +20,21 @@ PAGES = (
     "data-driven",
     "radiance-xml",
     "radiance-materials",
+    "rendering-radiance",
     "samplers",
     "mutants",
     "export",
     "compact",
     "other-instruments",
     "microfacet",
+    "cie171",
+    "rendering-mitsuba",
+    "rendering-errors",
     "fit-recovery",
     "fit-real-data",
+    "loop-closure",
+    "planner",
+    "sphere",
 )
 
 
