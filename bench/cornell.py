@@ -1,6 +1,6 @@
 """The Cornell box of 256 x 256 pixels by 64 samples, paths of at most 8 surfaces: gonio against Mitsuba 3.
 
-`cornell-vs-mitsuba-llvm`, `cornell-vs-mitsuba-scalar` (16 samples): samples a CPU second of whole processes,
+`cornell-vs-mitsuba-llvm`, `cornell-vs-mitsuba-scalar`: samples a CPU second of whole processes,
 start-up, geometry and compilation included, medians of pairs that alternate in one run. Both draw directions
 to the lamp and from the surfaces and weigh them by the balance heuristic; `mean_ours` and `mean_peer` are the
 means of the pictures, W/(m2 sr). gonio's side is its own program (crates/trace/examples/cornell.rs), built as
@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parent.parent
-VARIANTS = {"cornell-vs-mitsuba-llvm": ("llvm_ad_rgb", 64), "cornell-vs-mitsuba-scalar": ("scalar_rgb", 16)}
+VARIANTS = {"cornell-vs-mitsuba-llvm": ("llvm_ad_rgb", 64), "cornell-vs-mitsuba-scalar": ("scalar_rgb", 64)}
 IDS = tuple(VARIANTS)
 SIZE = 256
 PAIRS = 5
