@@ -47,15 +47,10 @@ from gonio.processing import process
 from gonio.radiance_materials import read_materials, write_materials
 from gonio.readings import Readings, read
 from gonio.reducing import Reduction, reduce
-from gonio.rendering import (
-    RenderProgress,
-    SensorReadings,
-    read_scene,
-    read_sensors,
-    render,
-    render_sensors,
-)
+from gonio.rendering import read_scene, render
+from gonio.rendering_runs import RenderProgress
 from gonio.reporting import report
+from gonio.sensing import SensorReadings, read_sensors, render_sensors
 from gonio.simulating import simulate
 from gonio.sphere_drawing import draw_sphere
 from gonio.sphere_integrals import ConeValue, SphereIntegrals, cone_integral, sphere_integrals

@@ -34,10 +34,13 @@ class Picture:
     view: str
 
 
-def write_picture(path: Path, picture: Picture, samples: Samples) -> None:
-    """Write a picture by the ending of `path`: .exr, .hdr, or .png in false colours."""
+def write_picture(
+    path: Path, picture: Picture, samples: Samples, *, colours: tuple[float, float] | None = None
+) -> None:
+    """Write a picture by the ending of `path`: .exr, .hdr, or .png in false colours between `colours`."""
     if path.suffix == ".png":
-        false_colour(picture.luminance, out=path)
+        low, high = colours or (None, None)
+        false_colour(picture.luminance, out=path, low=low, high=high)
         return
     _native.write_picture(
         path,

@@ -11,7 +11,8 @@ from gonio.files import check_file
 from gonio.materials import MATERIALS, material
 from gonio.picture_files import PICTURE_SUFFIXES, Picture, tone_mapped
 from gonio.readings import PathLike
-from gonio.rendering import Report, render, unwatched
+from gonio.rendering import render
+from gonio.rendering_runs import Report, unwatched
 from gonio.shown_models import shown_model
 
 
@@ -94,6 +95,11 @@ def _model(model: Bsdf | PathLike, channel: str | None) -> Bsdf:
     if isinstance(model, Bsdf):
         return model
     name = os.fspath(model)
-    if name in MATERIALS and not Path(name).exists():
-        return material(name).bsdf
+    if not Path(name).exists():
+        if name in MATERIALS:
+            return material(name).bsdf
+        raise DomainError(
+            f"model: found {name!r}, which is no file; allowed a file or directory of a model, or "
+            f"{', '.join(MATERIALS)}"
+        )
     return shown_model(name, channel=channel)

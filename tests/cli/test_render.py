@@ -23,7 +23,7 @@ def test_a_preview_is_written_and_summed_up(run, tmp_path):
 
 
 def test_what_cannot_be_shown_is_one_line(run, tmp_path):
-    one_clear_error(run("render", "--preview", "nowhere.xml", "-o", "a.png", *QUICK), "nowhere.xml")
+    one_clear_error(run("render", "--preview", "nowhere.xml", "-o", "a.png", *QUICK), "nowhere.xml", "metal")
     one_clear_error(run("render", "--preview", "metal", "-o", "a.bmp", *QUICK), ".bmp", ".png")
     one_clear_error(run("render", "--preview", "metal", "-o", "a.png", "--size", 0), "size")
     one_clear_error(run("render", "--preview", "metal", "-o", "no/a.png", *QUICK), "no/a.png")
@@ -81,6 +81,24 @@ def test_a_picture_of_a_scene_shows_its_floor(run, tmp_path):
     assert not (tmp_path / "b.exr.samples.npz").exists()
 
 
+def test_a_scene_without_light_is_said_to_be_dark(run, tmp_path):
+    (tmp_path / "dark.rad").write_text("void plastic" + SCENE.split("void plastic")[1])
+    (tmp_path / "points.txt").write_text("0 0 0.001 0 0 1\n")
+    done = run("render", "dark.rad", "--sensors", "points.txt")
+    assert done.code == 0
+    assert "no light" in done.err
+    scene_of(tmp_path)
+    assert "no light" not in run("render", "room.rad", "--sensors", "points.txt", "--bounces", 1).err
+
+
+def test_false_colours_lie_between_the_ends_that_are_given(run, tmp_path):
+    scene_of(tmp_path)
+    options = ("--view", "room.vf", "--size", 24, "--samples", 16)
+    assert run("render", "room.rad", *options, "-o", "a.png").code == 0
+    assert run("render", "room.rad", *options, "-o", "b.png", "--colours", "1,1e5").code == 0
+    assert (tmp_path / "a.png").read_bytes() != (tmp_path / "b.png").read_bytes()
+
+
 def test_what_cannot_be_rendered_is_one_line(run, tmp_path):
     scene_of(tmp_path)
     picture = ("render", "room.rad", "--view", "room.vf", "-o", "a.hdr")
@@ -93,6 +111,16 @@ def test_what_cannot_be_rendered_is_one_line(run, tmp_path):
     one_clear_error(run("render", "room.rad", "--sensors", "no.txt"), "no.txt")
     (tmp_path / "bad.txt").write_text("0 0 0 0 0 1\n1 2 3\n")
     one_clear_error(run("render", "room.rad", "--sensors", "bad.txt"), "bad.txt:2")
+    (tmp_path / "flat.txt").write_text("0 0 0 0 0 0\n")
+    one_clear_error(run("render", "room.rad", "--sensors", "flat.txt"), "flat.txt:1", "normal")
+    one_clear_error(run("render", "room.rad", "--sensors", "points.txt", "-o", "a.png"), ".png", "text")
+    one_clear_error(run("render", "room.rad", "-o", "a.hdr"), "--view", "names none")
+    one_clear_error(run(*picture, "--colours", "1,10"), "--colours", ".png")
+    one_clear_error(run(*picture[:-1], "a.png", "--colours", "10,1"), "--colours", "LOW < HIGH")
+    (tmp_path / "blind.rad").write_text("<?xml version='1.0'?>\n<WindowElement/>\n")
+    one_clear_error(run("render", "blind.rad", "--view", "room.vf", "-o", "a.hdr"), "XML", "--preview")
+    (tmp_path / "old.rad").write_text("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n")
+    one_clear_error(run("render", "old.rad", "--view", "room.vf", "-o", "a.hdr"), "a picture")
     (tmp_path / "bad.rad").write_text("void light lamp 0 0 3 1 1\n")
     one_clear_error(run("render", "bad.rad", "--sensors", "points.txt"), "bad.rad")
     one_clear_error(run("render", "--view", "room.vf", "-o", "a.hdr"), "SCENE")

@@ -93,7 +93,10 @@ fn read_scene(
     model: Py<PyAny>,
 ) -> PyResult<(Scene, Vec<String>)> {
     py.detach(|| {
-        let (loaded, warnings) = load(&paths, search, model)?;
+        let (loaded, mut warnings) = load(&paths, search, model)?;
+        if loaded.parts.lights.is_empty() && loaded.parts.sky.is_none() {
+            warnings.push("the scene has no light: surfaces are black where they do not emit".to_owned());
+        }
         let view = loaded.view.map(|v| v.to_string());
         let scene = scene::Scene::new(loaded.parts).or_raise()?;
         Ok((Scene::new(scene, view), warnings))

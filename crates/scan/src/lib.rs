@@ -43,7 +43,7 @@ pub use dark::{DarkMethod, DarkOptions, DarkSummary};
 pub use error::ScanError;
 pub use flags::Flags;
 pub use highest::{Highest, highest};
-pub use local::resolution_uncertainty;
+pub use local::{resolution_uncertainty, u_beside_resolution};
 pub use measurement::{HemisphericalIntegral, Measurement, Slice};
 pub use nearest::DirectionIndex;
 pub use noise::{NoiseModel, NoiseOrigin};

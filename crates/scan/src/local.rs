@@ -4,7 +4,7 @@ use gonio_geom::{DVec3, Delaunay, Side};
 use rayon::prelude::*;
 
 use crate::quadratic::Quadratic;
-use crate::{DirectionIndex, Slice};
+use crate::{DirectionIndex, Resolution, Slice};
 
 /// Standard uncertainty of every DSF from the width of the beam, 1/sr: `second_moment / 4 abs(laplace D)`, the whole of the
 /// bias that a profile of this second moment (rad^2) and full width `fwhm` (radians) causes, to second order. It is part of
@@ -30,6 +30,14 @@ pub fn resolution_uncertainty(slice: &Slice, second_moment: f64, fwhm: f64) -> V
     }
     u.iter_mut().for_each(|l| *l = (0.25 * second_moment * *l).abs());
     u
+}
+
+/// `u_dsf` of every reading without the part that the width of the beam adds, [`resolution_uncertainty`], 1/sr: for what
+/// folds the beam into a model, and for what asks how far a peak stands out of the noise.
+pub fn u_beside_resolution(slice: &Slice, resolution: &Resolution) -> Vec<f64> {
+    let of_beam = resolution_uncertainty(slice, resolution.second_moment, resolution.fwhm);
+    let rest = |(u, r): (&f64, f64)| (u * u - r * r).max(0.0).sqrt();
+    slice.u_dsf.iter().zip(of_beam).map(rest).collect()
 }
 
 /// Neighbours within reach that take part at most.

@@ -300,7 +300,7 @@ fn one(
     let to_dsf = move |theta_s: f64| factor * quantity.to_dsf(theta_s.cos()).unwrap_or(1.0);
     let mut slice = to_slice(scan, flags, &noise, found, u_common, to_dsf);
     let resolution = any_beam.map(|b| (b.signature.second_moment, b.signature.fwhm));
-    add_local_uncertainty(&mut slice, resolution, options.u_angle);
+    add_direction_uncertainty(&mut slice, options.u_angle);
     let u_offset = found.map_or(0.0, |d| d.u_common) * factor.abs();
     combine(
         &mut slice,
@@ -310,8 +310,13 @@ fn one(
             0.0
         },
     )?;
-    if let Some((second_moment, _)) = resolution {
+    if let Some((second_moment, fwhm)) = resolution {
         narrow_peak::add_uncertainty(&mut slice, second_moment);
+        // Last: the beam spreads light and takes none, so that the integrals do not depend on its width.
+        let own = resolution_uncertainty(&slice, second_moment, fwhm);
+        for (u, r) in slice.u_dsf.iter_mut().zip(own) {
+            *u = u.hypot(r);
+        }
     }
     Ok(Done {
         slice,
@@ -368,21 +373,12 @@ pub(crate) fn to_slice(
     }
 }
 
-/// Adds direction and resolution to the independent part in `u_dsf`.
-///
-/// Direction: `|grad D| u_angle`. Resolution: the signature of second moment `m` raises a value by
-/// `m / 4 laplace D` to second order; the whole (uncorrected) bias counts as standard uncertainty.
-pub(crate) fn add_local_uncertainty(slice: &mut Slice, resolution: Option<(f64, f64)>, u_angle: f64) {
+/// Adds `|grad D| u_angle` to the independent part in `u_dsf`.
+pub(crate) fn add_direction_uncertainty(slice: &mut Slice, u_angle: f64) {
     if u_angle > 0.0 {
         let slope = gradient(slice);
         for (u, g) in slice.u_dsf.iter_mut().zip(slope) {
             *u = u.hypot(g * u_angle);
-        }
-    }
-    if let Some((moment, fwhm)) = resolution {
-        let own = resolution_uncertainty(slice, moment, fwhm);
-        for (u, r) in slice.u_dsf.iter_mut().zip(own) {
-            *u = u.hypot(r);
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::dark::subtract;
 use crate::flagging::raw_flags;
 use crate::nearest::DirectionIndex;
 use crate::process::{
-    ProcessOptions, add_local_uncertainty, apertures, combine, model_of, noise_models, to_slice,
+    ProcessOptions, add_direction_uncertainty, apertures, combine, model_of, noise_models, to_slice,
 };
 use crate::validate::{sample_records, well_formed};
 use crate::{Flags, Measurement, NoiseModel, Scan, ScanError, ScanKind};
@@ -246,7 +246,7 @@ fn one(
         slice.dsf[j] *= scale[j];
         slice.u_dsf[j] = (slice.u_dsf[j] * scale[j]).hypot(u_scale[j] * slice.dsf[j]);
     }
-    add_local_uncertainty(&mut slice, None, options.u_angle);
+    add_direction_uncertainty(&mut slice, options.u_angle);
     combine(&mut slice, found.map_or(0.0, |d| d.u_common) * mean_scale)?;
     Ok(Done {
         slice,

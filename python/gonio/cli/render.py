@@ -15,7 +15,8 @@ import gonio
 from gonio.cli.running import Json, err, out, print_json, warn
 from gonio.files import replacing_file
 from gonio.materials import MATERIALS
-from gonio.rendering import RenderProgress, Report
+from gonio.picture_files import PICTURE_SUFFIXES
+from gonio.rendering_runs import RenderProgress, Report
 
 
 def render(
@@ -75,6 +76,15 @@ def render(
     channel: Annotated[
         str | None, typer.Option("--channel", help="Of --preview: channel of a file that is shown, in grey.")
     ] = None,
+    colours: Annotated[
+        str | None,
+        typer.Option(
+            "--colours",
+            metavar="LOW,HIGH",
+            help="Of a .png: ends of the false colours, cd/m2. Without it from the picture, three decades at "
+            "most.",
+        ),
+    ] = None,
     lux: Annotated[
         bool, typer.Option("--lux", help="Of --sensors: print illuminance and its standard error, lx.")
     ] = False,
@@ -85,11 +95,18 @@ def render(
 ) -> None:
     """Render a scene or a ball of a material, or measure irradiance at points of a scene."""
     if sum((view is not None, sensors is not None, preview is not None)) > 1:
-        raise typer.BadParameter("allowed one of --view, --sensors, --preview", param_hint="mode")
+        raise typer.BadParameter("allowed one of them", param_hint="--view, --sensors, --preview")
     if (preview is None) != bool(scene):
         raise typer.BadParameter("needed with --view and --sensors, but not --preview", param_hint="SCENE")
     if sensors is None and to is None:
         raise typer.BadParameter("needed for a picture", param_hint="--out")
+    if sensors is not None and to is not None and to.suffix in PICTURE_SUFFIXES:
+        raise typer.BadParameter(
+            f"found the ending {to.suffix!r} of a picture, allowed that of a text", param_hint="--out"
+        )
+    ends = _ends(colours)
+    if ends is not None and (preview is not None or to is None or to.suffix != ".png"):
+        raise typer.BadParameter("allowed with --view and an --out of .png", param_hint="--colours")
     if resume and (preview is not None or to is None):
         raise typer.BadParameter("allowed with --view or --sensors, and --out", param_hint="--resume")
     if preview is not None and to is not None:
@@ -112,7 +129,7 @@ def render(
     if sensors is None:
         view = view or read.view
         if view is None:
-            raise typer.BadParameter("needed: the scene names no view", param_hint="--view")
+            raise typer.BadParameter("the scene names none: give a file or options", param_hint="--view")
         with render_bar(hidden=json) as progress:
             picture = gonio.render(
                 read,
@@ -124,6 +141,7 @@ def render(
                 seed=seed,
                 bounces=bounces,
                 resume=resume,
+                colours=ends,
                 progress=progress,
             )
         _tell_picture(picture, to, json=json, warnings=warnings)
@@ -155,6 +173,20 @@ def _size(text: str | None, default: int) -> tuple[int, int]:
     if len(sides) not in {1, 2}:
         raise typer.BadParameter(f"found {text!r}, allowed a number or WIDTHxHEIGHT", param_hint="--size")
     return sides[0], sides[-1]
+
+
+def _ends(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError:
+        low = high = math.nan
+    if not 0.0 < low < high < math.inf:
+        raise typer.BadParameter(
+            f"found {text!r}, allowed LOW,HIGH with 0 < LOW < HIGH", param_hint="--colours"
+        )
+    return low, high
 
 
 def _tell_picture(picture: gonio.Picture, to: Path | None, *, json: bool, warnings: list[str]) -> None:

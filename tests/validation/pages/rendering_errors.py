@@ -22,8 +22,8 @@ which share paths in tiles). {seeds} seeds each.
 - **Reflected light** (Cornell box): stated errors are true within a tenth, on the safe side.
 - **Light straight from a lamp or a window**: the paths of all batches fill each other's gaps, so the error falls faster than the
   scatter of batches tells. Stated errors are then too large, the more so the more paths; stopping by them takes more paths than it must.
-- **64 paths** are four batches: where light is even, four that agree by chance state too small an error, and the interval of 95 % holds
-  {least:.0f} % (lamp). From 256 paths on it holds what it says.
+- **64 paths** are eight batches; where light is even, batches that agree by chance state too small an error. The interval of 95 % of the
+  lamp holds {least:.0f} % at the least.
 
 ## How errors fall
 The slope of the logarithm of the true error over that of the paths, 64 to 4096; independent paths have -1/2. The error of the Cornell box's

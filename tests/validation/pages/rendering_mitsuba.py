@@ -13,13 +13,14 @@ TEXT = """# Pictures: Mitsuba 3
 
 Made by `python -m tests.validation rendering-mitsuba`; `tests/validation/test_rendering_mitsuba.py` repeats it with smaller pictures.
 {size} x {size} pixels, {runs} seeds of {samples} paths a pixel in each program ({total} million paths a picture), Mitsuba {version}
-(llvm_ad_rgb, `path`, independent sampler, box filter), paths of at most {bounces} surfaces. The error of a pixel is the scatter over
-the seeds, of both; the difference of the means over its error is Student's t, `z` its normal score. Where both follow the same light, `z` is
-standard normal: mean 0, variance 1, 0.27 % beyond 3.
+(llvm_ad_rgb, `path`, independent sampler, box filter), paths of at most {bounces} surfaces. Patches of 2 x 2 pixels are compared (rare
+bright paths make the noise of a single pixel skewed). The error of a patch is the scatter over the seeds, of both; the difference of the means
+over its error is Student's t, `z` its normal score. Where both follow the same light, `z` is standard normal: mean 0, variance 1, 0.27 %
+beyond 3.
 
 {table}
-`mean z` is times the root of the number of pixels: standard normal itself, as is `z of the picture`, the difference of the two
-means over its error. `p` is that of Kolmogorov and Smirnov.
+`mean z` is the difference averaged over the patches, each over its error, and `z of the picture` of the two means: both over their own
+scatter from seed to seed. `p` is that of Kolmogorov and Smirnov.
 
 Pixels of gonio share paths within tiles of 64, so that their errors go together; `noise` is gonio's error over Mitsuba's, median of the
 pixels. Where it is small, `z` tests the light against independent pixels.
@@ -27,7 +28,7 @@ pixels. Where it is small, `z` tests the light against independent pixels.
 ## What is brought together
 - Mitsuba masks reflection by GGX with `G1 G1`; gonio has the height-correlated form. In the test Mitsuba's surfaces get gonio's by a plugin that multiplies
   by the ratio of the two, coded a second time ([microfacet](microfacet.md)).
-- The sky of Mitsuba is a picture of 1024 rows, gonio's a formula. Pixels whose error is below 1e-4 (the sky itself) are left out: there, the steps of
+- The sky of Mitsuba is a picture of 1024 rows, gonio's a formula. Patches whose error is below 1e-4 (the sky itself) are left out: there, the steps of
   that picture and single precision are larger.
 - Mitsuba counts thin panes among the surfaces of a path, gonio does not: paths are long enough that it does not matter.
 - RGL materials are left out: the tables are not reciprocal, Mitsuba asks them from the eye, gonio from the light.
@@ -56,14 +57,14 @@ def make() -> str:
                 f"{found.means[1]:.5f}",
                 f"{found.mean_z:+.2f}",
                 str(n),
-                f"{found.z.mean() * n**0.5:+.2f}",
+                f"{found.even_z:+.2f}",
                 f"{found.z.var():.3f}",
                 f"{100.0 * found.beyond_3:.2f} %",
                 f"{found.kolmogorov:.2g}",
                 f"{noise:.2f}",
             ]
         )
-    head = ["scene", "mean, gonio", "mean, Mitsuba", "z of the picture", "pixels with noise"]
+    head = ["scene", "mean, gonio", "mean, Mitsuba", "z of the picture", "patches with noise"]
     head += ["mean z", "variance", "beyond 3", "p", "noise"]
     return TEXT.format(
         size=SIZE,

@@ -164,7 +164,8 @@ impl DataDriven {
             .direct
             .then(|| Profile::of_measurement(measurement, channel))
             .flatten();
-        let separated = profile.map(|profile| direct::separate(&slices, &profile));
+        let resolution = measurement.resolutions.iter().find(|r| r.channel == channel);
+        let separated = profile.map(|profile| direct::separate(&slices, &profile, resolution));
         let (slices, peaks, unscattered) = match &separated {
             Some(Separated { slices, peaks, notes }) => {
                 (slices.iter().collect(), peaks.clone(), notes.clone())

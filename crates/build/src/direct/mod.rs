@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 use gonio_bsdf::FourComponents;
 use gonio_fit::profile::Profile;
 use gonio_geom::{Angles, Component, DVec3, Side};
-use gonio_scan::Slice;
+use gonio_scan::{Resolution, Slice, u_beside_resolution};
 use rayon::prelude::*;
 
 use self::beam_shape::BeamShape;
@@ -51,8 +51,16 @@ pub(crate) struct Separated {
 }
 
 /// Takes peaks as narrow as the beam of `profile` out of `slices`, where at least two incidences of a component have one.
-pub(crate) fn separate(slices: &[&Slice], profile: &Profile) -> Separated {
+/// `resolution` is what `u_dsf` was stated with: a peak is compared with the beam's own image.
+pub(crate) fn separate(slices: &[&Slice], profile: &Profile, resolution: Option<&Resolution>) -> Separated {
     let beam = BeamShape::new(profile);
+    let sharp: Vec<Slice> = slices
+        .par_iter()
+        .map(|slice| Slice {
+            u_dsf: resolution.map_or_else(|| slice.u_dsf.clone(), |r| u_beside_resolution(slice, r)),
+            ..(*slice).clone()
+        })
+        .collect();
     let mut out = Separated {
         slices: slices.iter().map(|s| (*s).clone()).collect(),
         peaks: FourComponents::default(),
@@ -64,7 +72,7 @@ pub(crate) fn separate(slices: &[&Slice], profile: &Profile) -> Separated {
             .collect();
         let found: Vec<(usize, Found)> = own
             .into_par_iter()
-            .map(|k| (k, peak::find(slices[k], component, &beam)))
+            .map(|k| (k, peak::find(&sharp[k], component, &beam)))
             .collect();
         let count = found.iter().filter(|f| matches!(f.1, Found::Peak(_))).count();
         if count < LEAST_INCIDENCES {

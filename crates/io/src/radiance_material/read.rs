@@ -122,16 +122,13 @@ impl Reader<'_> {
         let (type_word, type_line) = self.name("type")?;
         let known = RadianceMaterial::TYPES.contains(&type_word.as_str());
         if !known && type_word != ALIAS && !OTHER_TYPES.contains(&type_word.as_str()) {
-            return Err(self.fault(
-                type_line,
-                "type",
-                excerpt(type_word.as_bytes()),
-                format!(
-                    "a type of RADIANCE: {}, alias, {}",
-                    RadianceMaterial::TYPES.join(", "),
-                    OTHER_TYPES.join(", ")
-                ),
-            ));
+            let all = || RadianceMaterial::TYPES.iter().chain(&OTHER_TYPES).chain(&[ALIAS]);
+            let names: Vec<&str> = all().copied().collect();
+            let allowed = match nearest(&type_word, all().copied()) {
+                Some(near) => format!("a type of RADIANCE, {near:?} perhaps"),
+                None => format!("a type of RADIANCE: {}", names.join(", ")),
+            };
+            return Err(self.fault(type_line, "type", excerpt(type_word.as_bytes()), allowed));
         }
         let (id, _) = self.name("id")?;
         let body = if type_word == ALIAS {
@@ -193,4 +190,13 @@ impl Reader<'_> {
             }),
         }
     }
+}
+
+/// What `word` was meant to be, where it is near enough to one of `names`.
+fn nearest<'a>(word: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    const NEAR: f64 = 0.8;
+    let likeness = |name: &str| strsim::jaro_winkler(word, name);
+    names
+        .filter(|n| likeness(n) > NEAR)
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
 }

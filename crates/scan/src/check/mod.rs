@@ -52,7 +52,7 @@ pub fn check(measurement: &Measurement, options: &CheckOptions) -> Vec<Verdict> 
     out.push(reciprocity::check(&pairs));
     out.push(plausibility::check(slices, &pairs));
     out.push(symmetry::check(slices, options.aligned));
-    out.push(resolution::check(slices, measurement.signature_fwhm));
+    out.push(resolution::check(measurement));
     out
 }
 

@@ -2,7 +2,7 @@
 
 use gonio_geom::{Component, Side};
 
-use crate::{Level, Slice, Verdict};
+use crate::{Level, Measurement, Slice, Verdict, u_beside_resolution};
 
 use super::name;
 
@@ -17,8 +17,8 @@ const READINGS: usize = 5;
 
 /// Smallest ratio of a lobe's full width at half maximum (of the disk of the solid angle in which the DSF is above
 /// half its peak, per component) to that of the signature.
-pub(super) fn check(slices: &[Slice], signature: Option<f64>) -> Verdict {
-    let Some(signature) = signature.filter(|s| *s > 0.0) else {
+pub(super) fn check(measurement: &Measurement) -> Verdict {
+    let Some(signature) = measurement.signature_fwhm.filter(|s| *s > 0.0) else {
         return Verdict::not_applicable(
             ID,
             TITLE,
@@ -26,7 +26,16 @@ pub(super) fn check(slices: &[Slice], signature: Option<f64>) -> Verdict {
         );
     };
     let mut worst: Option<(f64, usize, String)> = None;
-    for slice in slices {
+    for slice in &measurement.slices {
+        let resolution = measurement
+            .resolutions
+            .iter()
+            .find(|r| r.channel == slice.channel);
+        let sharp = resolution.map(|r| Slice {
+            u_dsf: u_beside_resolution(slice, r),
+            ..slice.clone()
+        });
+        let slice = sharp.as_ref().unwrap_or(slice);
         for side in Side::BOTH {
             let Some((width, readings)) = lobe(slice, side) else {
                 continue;

@@ -68,7 +68,10 @@ impl Files {
                     "a file beside this one".to_owned()
                 } else {
                     let folders: Vec<String> = self.search.iter().map(|p| p.display().to_string()).collect();
-                    format!("a file beside this one or in {}", folders.join(":"))
+                    format!(
+                        "a file beside this one or in the folders that are searched (-I, RAYPATH): {}",
+                        folders.join(":")
+                    )
                 };
                 place.fault(field, format!("{name:?}, which is not there"), allowed)
             })
@@ -110,6 +113,27 @@ pub fn read_from(path: &Path, bytes: &[u8], files: &Files) -> Result<Vec<Entry>,
     Ok(out)
 }
 
+/// What a file is that is often taken for scene text, and what goes in its place.
+fn otherwise(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    let head = &bytes[..bytes.len().min(4096)];
+    let has = |word: &[u8]| head.windows(word.len()).any(|w| w == word);
+    if head.trim_ascii_start().starts_with(b"<") {
+        Some((
+            "XML",
+            "scene text; a BSDF is a material in it (BSDF, aBSDF), or shown by itself (render --preview)",
+        ))
+    } else if head.starts_with(b"#?") && has(b"FORMAT=Radiance_octree") {
+        Some(("an octree", "the scene text it was made from"))
+    } else if head.starts_with(b"#?") && has(b"FORMAT=32-bit_") {
+        Some((
+            "a picture",
+            "scene text; a picture is a pattern in it (colorpict)",
+        ))
+    } else {
+        None
+    }
+}
+
 struct Expansion<'a> {
     files: &'a Files,
     /// Files that are being read, one inside the other.
@@ -133,8 +157,12 @@ impl Expansion<'_> {
             }
         }
         let bytes = read_bytes(path)?;
-        self.open.push(own);
         let file: Arc<Path> = path.into();
+        if let Some((found, allowed)) = otherwise(&bytes) {
+            let place = Place { file, line: 1 };
+            return Err(place.fault("file", found, allowed));
+        }
+        self.open.push(own);
         let done = scan(path, &bytes, |found| self.found(found, &file, out));
         self.open.pop();
         done

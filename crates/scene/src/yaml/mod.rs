@@ -63,6 +63,9 @@ const UNITS: [(&str, f64); 5] = [
     ("ft", 0.3048),
 ];
 
+/// Materials that a message names, at most.
+const MOST_NAMED: usize = 12;
+
 /// Which axis of a mesh points up.
 const UP: [(&str, Up); 2] = [("z", Up::Z), ("y", Up::Y)];
 
@@ -108,27 +111,36 @@ fn scene(root: &Field<'_>, files: &Files) -> Result<YamlScene, SceneError> {
         Some(field) => object::read(field, axes, files)?,
         None => Vec::new(),
     };
-    if let Some(field) = record.get("materials") {
-        for (name, field) in field.fields("names and their materials")? {
-            entries.push(material::read(&name, &field, &objects)?);
-        }
-    }
-    let known: HashSet<String> = entries.iter().map(|e| e.item.id.clone()).collect();
+    let materials = match record.get("materials") {
+        Some(field) => field.fields("names and their materials")?,
+        None => Vec::new(),
+    };
+    // What objects ask for comes first: a lamp whose name is misspelt at its object would else be blamed for having no area.
+    let above = entries.iter().map(|e| e.item.id.as_str());
+    let known: HashSet<String> = above
+        .chain(materials.iter().map(|(name, _)| name.as_str()))
+        .map(str::to_owned)
+        .collect();
+    let mut aliases = Vec::new();
     let mut needed = HashSet::new();
     for (name, field, place) in objects.iter().flat_map(object::Object::needs) {
         if name == VOID || !needed.insert(name) {
             continue;
         }
         if !known.contains(name) {
-            return Err(place.fault(
-                field,
-                format!("{name:?}"),
-                "the name of a material of this scene, or void",
-            ));
+            let mut names: Vec<&str> = materials.iter().map(|(name, _)| name.as_str()).collect();
+            names.truncate(MOST_NAMED);
+            names.push(VOID);
+            let allowed = format!("the name of a material of this scene: {}", names.join(", "));
+            return Err(place.fault(field, format!("{name:?}"), allowed));
         }
-        entries.push(alias(&object::kept(name), name, &place));
+        aliases.push(alias(&object::kept(name), name, &place));
     }
     drop(needed);
+    for (name, field) in &materials {
+        entries.push(material::read(name, field, &objects)?);
+    }
+    entries.extend(aliases);
     for object in objects {
         object.entries(&mut entries);
     }

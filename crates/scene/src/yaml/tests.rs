@@ -194,6 +194,10 @@ fn what_is_wrong_is_named_by_line_and_field() {
             "a.yaml, line 2: materials.a.light.lumens: found no area",
         ),
         (
+            "materials:\n  lamp: {light: {lumens: 5}}\nobjects: [{file: room.obj, material: lmap}]\n",
+            "a.yaml, line 3: objects[1].material: found \"lmap\", allowed the name of a material of this scene: lamp, void",
+        ),
+        (
             "materials:\n  a: {light: {lumens: -5}}\n",
             "a.yaml, line 2: materials.a.light.lumens: found",
         ),
