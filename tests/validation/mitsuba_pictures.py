@@ -2,9 +2,9 @@
 
 Both render every scene with some seeds; the scatter of a pixel over the seeds is its error, without trust
 in what either states. The difference of the means over its error is Student's t (degrees of freedom after
-Welch); its normal score z is standard normal where both follow the same light and their noise is normal. Patches
-of 2 by 2 pixels are compared: rare bright paths make the noise of a single one skewed. Mitsuba's sampler is the
-independent one.
+Welch); its normal score z is standard normal where both follow the same light and their noise is normal.
+Patches of 2 by 2 pixels are compared: rare bright paths make the noise of a single one skewed. Mitsuba's
+sampler is the independent one.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class Agreement:
     """Normal scores of all patches with noise, and the means of both pictures.
 
     `even_z` is the difference of the pictures averaged over the patches, each weighted by one over its
-    error, over the scatter of that average from seed to seed. The mean of `z` tells less: patches of a tile that
-    shares paths are not independent, and where noise is skewed the mean of t is not 0.
+    error, over the scatter of that average from seed to seed. The mean of `z` tells less: patches of a tile
+    that shares paths are not independent, and where noise is skewed the mean of t is not 0.
     """
 
     z: Array
@@ -131,7 +131,7 @@ def _patches(pictures: Array) -> Array:
 def _even(ours: Array, theirs: Array) -> float:
     """Of pictures by seed, shape (runs, patches): see `Agreement.even_z`."""
     difference, variance = 0.0, 0.0
-    # The error of a patch goes with its value where noise is skewed: weights come from the other half of the seeds.
+    # The error of a patch goes with its value where noise is skewed: weights are those of other seeds.
     for half in (0, 1):
         own, other = ([p[k::2] for p in (ours, theirs)] for k in (half, 1 - half))
         weight = 1.0 / np.sqrt(sum(p.var(axis=0, ddof=1) / len(p) for p in other))
