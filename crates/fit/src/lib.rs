@@ -8,6 +8,7 @@ mod covariance;
 mod data;
 pub mod error;
 mod estimate;
+mod estimates;
 mod fitting;
 mod footprint;
 mod limits;

@@ -6,7 +6,8 @@ use nalgebra::DVector;
 
 use crate::covariance::Covariance;
 use crate::data::FitData;
-use crate::fitting::{Setting, estimates, in_parameters};
+use crate::estimates::{estimates, in_parameters};
+use crate::fitting::Setting;
 use crate::metric::{Loss, Metric};
 use crate::solver::{Stop, minimise};
 use crate::sphere::{Alone, Sphere, SphereComparison};

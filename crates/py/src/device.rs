@@ -15,7 +15,8 @@ use pyo3::types::PyDict;
 
 use crate::errors::OrRaise;
 use crate::radiance::wrap;
-use crate::render::{RenderWatch, load};
+use crate::render::RenderWatch;
+use crate::scene::load;
 
 /// A part whose scattering is asked; `gonio.simulate_geometry` says how.
 #[pyclass(frozen, module = "gonio", name = "Device")]

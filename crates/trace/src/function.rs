@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use crate::material::{Drawn, Local, Material, Unscattered};
+use crate::material::{Drawn, Local, Material};
+use crate::unscattered::Unscattered;
 use crate::vector::cosine_weighted;
 
 /// Where and how a surface is seen.

@@ -22,6 +22,7 @@ pub mod shape;
 pub(crate) mod shared;
 pub mod studio;
 pub mod travel;
+mod unscattered;
 pub mod vector;
 mod veil;
 pub mod view_text;

@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 
-use crate::material::{Local, Material, Unscattered};
+use crate::material::{Local, Material};
 use crate::sampler::Sampler;
 use crate::scene::{Meeting, Scene};
 use crate::travel::{Ground, Travel};
+use crate::unscattered::Unscattered;
 
 /// How far paths are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,8 +10,8 @@ use gonio_io::rgl;
 use gonio_trace::material::Material;
 
 use super::Assembly;
+use super::body::{Body0, Pane};
 use super::field::Field;
-use super::material::{Body0, Pane};
 use super::measured::{Diffuse, Measured};
 use super::through::Table;
 use super::up::Up;

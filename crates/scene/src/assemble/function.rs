@@ -7,9 +7,9 @@ use glam::Vec3;
 use gonio_trace::function::{Scattering, Sight};
 use gonio_trace::material::Material;
 
+use super::body::colour;
 use super::field::{self, Seat};
 use super::grid::Grid;
-use super::material::colour;
 use crate::cal::{Expression, Point, Program};
 use crate::error::{Place, SceneError};
 use crate::text::Files;

@@ -9,7 +9,8 @@ use gonio_trace::light::{Ball, Flat, Light};
 use gonio_trace::pattern::{Cone, Pattern, Product};
 
 use super::Assembly;
-use super::material::{Look, colour};
+use super::body::colour;
+use super::material::Look;
 use crate::error::{Place, SceneError};
 
 /// What a light does.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::Assembly;
-use super::material::Pane;
+use super::body::Pane;
 use crate::error::{Place, SceneError};
 use crate::mesh::Mesh;
 use crate::text::Xform;

@@ -1,5 +1,6 @@
 //! Items become what `gonio_trace` renders.
 
+mod body;
 mod bsdf;
 mod field;
 mod function;

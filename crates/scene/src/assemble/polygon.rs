@@ -4,7 +4,8 @@ use earcut::Earcut;
 use glam::{DVec3, Vec3};
 
 use super::Assembly;
-use super::material::{Look, Pane};
+use super::body::Pane;
+use super::material::Look;
 use crate::error::{Place, SceneError};
 
 /// A polygon in its plane.

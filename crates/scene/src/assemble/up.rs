@@ -30,7 +30,7 @@ impl Up {
                 let field = Field::function(strings, reals, 3, place, files)?;
                 Ok(Up::Field(Arc::new(Functions(field))))
             }
-            _ => Ok(Up::Fixed(super::material::direction(strings, place)?)),
+            _ => Ok(Up::Fixed(super::body::direction(strings, place)?)),
         }
     }
 

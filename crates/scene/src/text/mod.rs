@@ -4,13 +4,15 @@
 
 mod command;
 mod expand;
+mod files;
 mod genbox;
 mod generated;
 mod generators;
 mod transform;
 mod xform;
 
-pub use expand::{Entry, Files, ModelReader, ReadModel, read, read_from};
+pub use expand::{Entry, read, read_from};
+pub use files::{Files, ModelReader, ReadModel};
 pub use transform::Change;
 pub(crate) use transform::SURFACES;
 pub use xform::Xform;
