@@ -5,6 +5,7 @@ pub mod bvh;
 pub mod camera;
 mod follow;
 pub mod function;
+mod glint;
 mod lanes;
 pub mod light;
 mod lit;

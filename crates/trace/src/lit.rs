@@ -81,7 +81,7 @@ impl Scene {
 
     /// A direction towards a light that was chosen this often, and its radiance.
     #[inline(always)]
-    fn towards(&self, k: u32, from: Vec3, often: f32, place: [f32; 2]) -> Option<Towards> {
+    pub(crate) fn towards(&self, k: u32, from: Vec3, often: f32, place: [f32; 2]) -> Option<Towards> {
         let mut towards = self.lights.get(k).sample(from, place)?;
         towards.pdf *= often;
         if self

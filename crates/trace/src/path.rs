@@ -46,6 +46,8 @@ pub(crate) enum Origin {
     Alone,
     /// Drawn from a material at a point with this density, where lights were drawn this often.
     Drawn { from: Vec3, pdf: f32, draws: f32 },
+    /// So drawn, and mirrored once by a plane mirror: suns were drawn through it as well, other lights were not.
+    Mirrored { from: Vec3, pdf: f32, draws: f32 },
 }
 
 /// A way back from the eye, as far as it is followed.
@@ -217,7 +219,7 @@ impl Scene {
             // The ray goes on as it was: what it meets counts as without the pane.
             path.panes += 1;
         } else {
-            path.came = Origin::Alone;
+            path.came = self.mirrored(path.came, met.surface);
             path.bounces += 1;
         }
     }
@@ -233,6 +235,9 @@ impl Scene {
                 true => self.lit_past_proxy(&path.travel, met, local, which, places),
                 false => self.lit_by_lights(met, local, which, places, 1.0, &Ground::OPEN),
             };
+        if path.bounces + 1 < limits.bounces {
+            path.sum += path.left * self.lit_by_mirrors(met, local, which, places[1], 1.0);
+        }
         let Some(mut next) = self.scattered(met, local, [u, v, choice]) else {
             return false;
         };
@@ -259,7 +264,7 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn emitted(&self, met: &Meeting, direction: Vec3, came: Origin) -> Vec3 {
         let surface = &self.parts.surfaces[met.surface as usize];
-        let alone = matches!(came, Origin::Alone);
+        let alone = !matches!(came, Origin::Drawn { .. });
         let mut cos = -met.normal.dot(direction);
         if let (Some(_), Some(k)) = (self.veil(met.surface), surface.light) {
             cos = -self.lights.get(k).normal(met.point).dot(direction);
@@ -272,7 +277,7 @@ impl Scene {
         };
         let light = self.lights.get(k);
         let weight = match came {
-            Origin::Alone => 1.0,
+            Origin::Alone | Origin::Mirrored { .. } => 1.0,
             Origin::Drawn { from, pdf, draws } => {
                 let distance = from.distance(met.point);
                 let chance = self.lights.probability(from, k) * light.pdf(from, direction, distance, cos);
@@ -290,7 +295,7 @@ impl Scene {
             if light.holds(direction) {
                 let weight = match came {
                     Origin::Alone => 1.0,
-                    Origin::Drawn { from, pdf, draws } => {
+                    Origin::Drawn { from, pdf, draws } | Origin::Mirrored { from, pdf, draws } => {
                         balance(pdf, draws * self.lights.probability(from, k) * light.pdf())
                     }
                 };
@@ -299,7 +304,7 @@ impl Scene {
         }
         if let Some(sky) = &self.parts.sky {
             let weight = match came {
-                Origin::Alone => 1.0,
+                Origin::Alone | Origin::Mirrored { .. } => 1.0,
                 Origin::Drawn { from, pdf, draws } => {
                     balance(pdf, draws * self.sky_pdf(sky, from, direction))
                 }

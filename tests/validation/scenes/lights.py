@@ -51,6 +51,15 @@ LIGHTS = (
         "`source` of half a degree",
         STAGE + "void light l 0 0 3 5e6 4.8e6 4.5e6\nl source sun 0 0 4 .4 -.5 .8 .533\n",
     ),
+    Case(
+        "sun-mirror",
+        "`source` of half a degree behind the wall, in a `mirror` before it",
+        STAGE
+        + "void light l 0 0 3 5e6 4.8e6 4.5e6\nl source sun 0 0 4 .2 .8 .35 .533\n"
+        + "void mirror silver 0 0 3 .9 .85 .8\n"
+        + "silver polygon m 0 0 12 1.5 -1.8 .1  -1.5 -1.8 .1  -1.5 -1.8 3  1.5 -1.8 3\n",
+        view="-vtv -vp 3.5 -1 1.5 -vd -3.5 1.5 -1 -vu 0 0 1 -vh 46 -vv 40",
+    ),
     Case("glow", "`glow` with a radius", STAGE + "void glow l 0 0 4 20 18 15 50\nl " + LAMP),
     Case("spotlight", "`spotlight` of 70°", STAGE + CONE),
     Case(

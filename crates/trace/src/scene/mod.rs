@@ -19,6 +19,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 
 use crate::bvh::{Bvh, Triangles};
+use crate::glint::Mirrors;
 use crate::light::{Lights, Openings};
 use crate::material::Material;
 use crate::veil::Veil;
@@ -41,6 +42,8 @@ pub struct Scene {
     pub(crate) veils: Vec<Option<Arc<Veil>>>,
     /// Whether there are bodies or proxies.
     pub(crate) travels: bool,
+    /// Plane mirrors that suns are seen in.
+    pub(crate) mirrors: Mirrors,
 }
 
 /// Where a ray meets a surface.
@@ -132,9 +135,11 @@ impl Scene {
             travels,
             openings: Openings::default(),
             veils: Vec::new(),
+            mirrors: Mirrors::default(),
         };
         scene.openings = scene.find_openings();
         scene.hang_veils();
+        scene.mirrors = Mirrors::of(&scene);
         Ok(scene)
     }
 

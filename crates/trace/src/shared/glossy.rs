@@ -62,6 +62,7 @@ impl<'a> Table<'a> {
     /// Whether first points share a second point there.
     pub(super) fn shares_glossy(&self, met: &Meeting, local: &Local<'_>) -> bool {
         self.scene.parts.screens.is_empty()
+            && self.scene.mirrors.is_empty()
             && self.scene.veil(met.surface).is_none()
             && local.ideal().iter().all(Option::is_none)
     }

@@ -228,7 +228,7 @@ impl<'a> Table<'a> {
             ..*path
         };
         if !straight {
-            next.came = Origin::Alone;
+            next.came = self.scene.mirrored(path.came, met.surface);
             next.bounces += 1;
         }
         next
@@ -272,6 +272,11 @@ impl<'a> Table<'a> {
                 draws as f32,
                 &Ground::OPEN,
             );
+            if first.bounces + 1 < self.limits.bounces {
+                sum += self
+                    .scene
+                    .lit_by_mirrors(&first.met, &first.local, which, places[1], draws as f32);
+            }
         }
         self.out[first.pixel] += first.left * sum;
     }
