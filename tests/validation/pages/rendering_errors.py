@@ -30,7 +30,7 @@ The slope of the logarithm of the true error over that of the paths, 64 to 4096;
 truth itself flattens its slope by 0.01, and its pixels, which share paths, make it less sure than stated.
 
 {slopes}
-`crates/trace/tests/unbiased.rs` tests the same from 4 paths on (a sensor and a view in a room: -0.58 and -0.52, straight light alone: -0.80, all ± 0.01), and
+`crates/trace/tests/light/unbiased.rs` tests the same from 4 paths on (a sensor and a view in a room: -0.58 and -0.52, straight light alone: -0.80, all ± 0.01), and
 that 1, 2, 4 and 16 paths have the mean of half a million.
 
 ## Stopping by the error

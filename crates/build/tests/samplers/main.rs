@@ -8,7 +8,7 @@
 
 #[path = "../../../bsdf/tests/statistical/chi_square.rs"]
 mod chi_square;
-#[path = "../common/mod.rs"]
+#[path = "../models/common/mod.rs"]
 mod common;
 #[path = "../../../bsdf/tests/statistical/partition.rs"]
 mod partition;

@@ -1,14 +1,11 @@
 //! Suns in plane mirrors: closed forms, and pictures against those in which they are found by chance. Of 63 and more degrees of
 //! freedom, 4 standard errors are exceeded in 2 of 10 000 comparisons; seeds are fixed.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use common::{grey, irradiance, of, sharp};
+use crate::common::{grey, irradiance, of, sharp};
 use glam::Vec3;
 use gonio_bsdf::radiance::{Glass, Mirror, Parameters, Plastic};
 use gonio_bsdf::{Bsdf, RadianceMaterial};

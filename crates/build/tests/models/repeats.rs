@@ -5,9 +5,7 @@
     reason = "a test that cannot set up its material has failed"
 )]
 
-mod common;
-
-use common::{Noise, measure, slice, thinned};
+use crate::common::{Noise, measure, slice, thinned};
 use gonio_bsdf::analytic::{Lambert, Spectrum, Sum, WardGmd};
 use gonio_build::{BuildOptions, Coverage, DataDriven};
 use gonio_geom::{Angles, Component::Reflection, Direction};

@@ -5,11 +5,9 @@
     reason = "a test that cannot set up its material has failed"
 )]
 
-mod common;
-
 use std::sync::LazyLock;
 
-use common::{EIGHT, Noise, error, measure};
+use crate::common::{EIGHT, Noise, error, measure};
 use gonio_bsdf::Bsdf;
 use gonio_bsdf::analytic::{Analytic, BoundedTransmissionLobe, Lambert, Spectrum, Sum, WardGmd};
 use gonio_build::{BuildOptions, Coverage, DataDriven};

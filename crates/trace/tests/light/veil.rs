@@ -1,5 +1,4 @@
 //! Screens that bring in the sky: with what is known beforehand the means are those without.
-#![allow(clippy::unwrap_used, missing_docs)]
 
 use std::sync::Arc;
 

@@ -1,12 +1,8 @@
 //! Light that passes or is mirrored unscattered becomes the ideal part of a model, and only that.
 
-#![allow(clippy::unwrap_used)] // helpers outside #[test] fail a test by panicking, as the tests themselves do
-
-mod common;
-
 use std::f64::consts::{LN_2, PI};
 
-use common::{Noise, error, measure};
+use crate::common::{Noise, error, measure};
 use gonio_bsdf::analytic::{Lambert, Spectrum, Sum, WardGmd, family};
 use gonio_bsdf::{Bsdf, Channel, Lobe};
 use gonio_build::{BuildOptions, DataDriven};

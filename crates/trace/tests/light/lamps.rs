@@ -1,12 +1,9 @@
 //! Irradiance of lamps and form factors against closed forms. [`common::close`] states the false-alarm rate of a
 //! comparison; seeds are fixed.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use common::{ball, flat, irradiance, lamp, mean, polygon, sharp};
+use crate::common::{ball, flat, irradiance, lamp, mean, polygon, sharp};
 use glam::{DVec3, Vec3};
 use gonio_trace::material::Material;
 use gonio_trace::path::Limits;

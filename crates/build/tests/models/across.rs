@@ -5,9 +5,7 @@
     reason = "a test that cannot set up its material has failed"
 )]
 
-mod common;
-
-use common::{Aside, Noise, error, measure, thinned};
+use crate::common::{Aside, Noise, error, measure, thinned};
 use gonio_bsdf::analytic::microfacet::catalogue::GgxSchlick;
 use gonio_bsdf::analytic::{
     Analytic, BoundedTransmissionLobe, HarveyShack, HarveyShackTransmission, Lambert, Spectrum, Sum, WardGmd,

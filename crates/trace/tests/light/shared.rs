@@ -1,13 +1,10 @@
 //! Pictures whose pixels share paths against those whose pixels do not. Of 63 and more degrees of freedom, 4 standard errors
 //! are exceeded in 2 of 10 000 comparisons; seeds are fixed.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use common::{grey, of};
+use crate::common::{grey, of};
 use glam::Vec3;
 use gonio_bsdf::Bsdf;
 use gonio_bsdf::radiance::{Glass, Parameters, Plastic};

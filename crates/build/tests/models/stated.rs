@@ -5,11 +5,9 @@
     reason = "a test that cannot set up its material has failed"
 )]
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{Aside, EIGHT, Noise, error, measure, thinned};
+use crate::common::{Aside, EIGHT, Noise, error, measure, thinned};
 use gonio_bsdf::analytic::microfacet::catalogue::{BeckmannDielectric, GgxSchlick};
 use gonio_bsdf::analytic::{Analytic, HarveyShack, Lambert, Spectrum, Sum, WardGmd};
 use gonio_bsdf::{Bsdf, Channel};

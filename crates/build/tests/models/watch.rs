@@ -5,12 +5,10 @@
     reason = "a test that cannot set up its material has failed"
 )]
 
-mod common;
-
 use std::thread;
 use std::time::Duration;
 
-use common::{Noise, measure, thinned};
+use crate::common::{Noise, measure, thinned};
 use gonio_bsdf::analytic::{Spectrum, WardGmd};
 use gonio_build::{BuildError, BuildOptions, DataDriven, Stage, Watch};
 use gonio_geom::Component::Reflection;

@@ -1,10 +1,7 @@
 //! Few samples have the mean of many, and errors fall with the number of samples as fast as those of independent ones, or
 //! faster. Seeds are fixed; each test states its false-alarm rate.
-#![allow(clippy::unwrap_used, missing_docs)]
 
-mod common;
-
-use common::{flat, grey, lamp, of, polygon, square};
+use crate::common::{flat, grey, lamp, of, polygon, square};
 use glam::Vec3;
 use gonio_trace::material::Material;
 use gonio_trace::path::Limits;

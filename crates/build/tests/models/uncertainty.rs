@@ -1,10 +1,6 @@
 //! The uncertainty that a model states at a pair of directions covers its errors there.
 
-#![allow(clippy::unwrap_used)] // helpers outside #[test] fail a test by panicking, as the tests themselves do
-
-mod common;
-
-use common::{EIGHT, Noise, measure, thinned};
+use crate::common::{EIGHT, Noise, measure, thinned};
 use gonio_bsdf::Bsdf;
 use gonio_bsdf::analytic::{Lambert, Spectrum, Sum, WardGmd};
 use gonio_build::{BuildOptions, Coverage, DataDriven};

@@ -5,9 +5,7 @@
     reason = "a test that cannot set up its material has failed"
 )]
 
-mod common;
-
-use common::{Noise, measure};
+use crate::common::{Noise, measure};
 use gonio_bsdf::Channel;
 use gonio_bsdf::analytic::{Lambert, Spectrum};
 use gonio_build::{BuildError, BuildOptions, DataDriven};

@@ -1,5 +1,4 @@
 //! Sensors against closed forms; the same result on any number of threads and after any stop.
-#![allow(clippy::unwrap_used, missing_docs)]
 
 use std::f64::consts::PI;
 use std::sync::Arc;

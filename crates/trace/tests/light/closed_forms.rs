@@ -1,12 +1,9 @@
 //! Radiance against closed forms: furnaces, integrating spheres, sun and sky, glass. [`common::close`] states the false-alarm rate of a comparison; seeds are fixed.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
 
-use common::{ball, flat, grey, irradiance, lamp, of, polygon, radiance, sharp, square};
+use crate::common::{ball, flat, grey, irradiance, lamp, of, polygon, radiance, sharp, square};
 use glam::Vec3;
 use gonio_bsdf::Bsdf;
 use gonio_bsdf::radiance::{Glass, Parameters};
