@@ -1,9 +1,9 @@
 //! The highest reading over a hemisphere and how far the lobe's top may lie above it.
 
-use gonio_geom::{Angles, DVec3, Delaunay, Side};
+use gonio_geom::{Angles, DVec3, Delaunay, Direction, Side, half_slope};
 
 use crate::Slice;
-use crate::quadratic::Quadratic;
+use crate::quadratic::Fitted;
 
 /// The highest reading over one hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,8 +22,9 @@ pub struct Highest {
 ///
 /// The top of the lobe lies between the readings. A quadratic of `ln dsf` through the reading, its neighbours in the Delaunay
 /// triangulation and theirs, weighted with the squares of their DSF, says how far above; all of it, uncorrected, counts as standard uncertainty
-/// (`1 - exp(-(d / 2w)^2)` for a Gaussian read on a line at steps `d`). Where the quadratic has no top among the neighbours, half of
-/// the fall to the median of these counts.
+/// (`1 - exp(-(d / 2w)^2)` for a Gaussian read on a line at steps `d`), and so does what the residuals say of it. The quadratic is laid in the
+/// plane of the half vector's slope, in which the ridge of a brushed surface is straight, or in the tangent plane, whichever fits
+/// better. Where it has no top among the neighbours, half of the fall to the median of these counts.
 pub fn highest(slice: &Slice, side: Side) -> Option<Highest> {
     let members: Vec<usize> = (0..slice.len())
         .filter(|&j| slice.flags[j].usable() && slice.direction(j).side() == side)
@@ -77,33 +78,53 @@ fn beside_the_top(slice: &Slice, side: Side, members: &[usize], reading: usize) 
     }
     let value = slice.dsf[reading];
     let (e1, e2) = points[top].any_orthonormal_pair();
-    let place = |k: usize| [points[k].dot(e1), points[k].dot(e2)];
-    let rows = around.iter().filter_map(|&k| {
-        let d = slice.dsf[members[k]];
-        (d > 1e-3 * value).then(|| (place(k), (d / value).ln(), (d / value).powi(2)))
-    });
-    let reach = adjacency
-        .of(top)
-        .iter()
-        .map(|&k| place(k as usize))
-        .map(|[x, y]| x.hypot(y))
-        .fold(0.0, f64::max);
-    let within = |q: &Quadratic| q.top().filter(|[x, y]| x.hypot(*y) <= reach).map(|t| q.at(t));
-    if rows.clone().count() >= 6
-        && let Some(q) = Quadratic::through(rows)
-        && let Some(height) = within(&q)
-    {
-        // The quadratic's own value at the reading: the noise of the reading is not counted twice.
-        return Some(value * ((height - q.constant).exp() - 1.0).max(0.0));
+    let tangent = |k: usize| [points[k].dot(e1), points[k].dot(e2)];
+    let wi = slice.incidence.direction();
+    let slope = |k: usize| half_slope(wi, Direction::from_unit(points[k]));
+    let origin = slope(top);
+    let tilt = |k: usize| {
+        let [x, y] = slope(k);
+        [x - origin[0], y - origin[1]]
+    };
+    let level = |k: usize| slice.dsf[members[k]] / value;
+    let next: Vec<usize> = adjacency.of(top).iter().map(|&k| k as usize).collect();
+    let planes: [&dyn Fn(usize) -> [f64; 2]; 2] = [&tilt, &tangent];
+    let rises = planes
+        .into_iter()
+        .filter_map(|place| rise(place, &level, &around, &next));
+    if let Some((_, rise)) = rises.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        return Some(value * rise);
     }
-    let mut others: Vec<f64> = adjacency
-        .of(top)
-        .iter()
-        .map(|&k| slice.dsf[members[k as usize]])
-        .collect();
+    let mut others: Vec<f64> = next.iter().map(|&k| slice.dsf[members[k]]).collect();
     others.sort_by(f64::total_cmp);
     let median = others.get(others.len() / 2)?;
     Some(0.5 * (value - median).max(0.0))
+}
+
+/// How far the top of the quadratic of `ln level` over the points `around` lies above the origin, as a share of the level there, with
+/// the uncertainty of that added in quadrature; before it the mean square of the residuals. `place` is where a point lies in a plane about
+/// the highest reading. `None` where there is no top as near as the farthest of the points `next` to it.
+fn rise(
+    place: &dyn Fn(usize) -> [f64; 2],
+    level: &dyn Fn(usize) -> f64,
+    around: &[usize],
+    next: &[usize],
+) -> Option<(f64, f64)> {
+    let rows = around
+        .iter()
+        .map(|&k| (place(k), level(k)))
+        .filter(|([x, y], d)| *d > 1e-3 && x.is_finite() && y.is_finite())
+        .map(|(x, d)| (x, d.ln(), d * d));
+    if rows.clone().count() < 6 {
+        return None;
+    }
+    let distance = |[x, y]: [f64; 2]| x.hypot(y);
+    let reach = next.iter().map(|&k| distance(place(k))).fold(0.0, f64::max);
+    let fitted = Fitted::through(rows)?;
+    let at = fitted.quadratic.top().filter(|t| distance(*t) <= reach)?;
+    // From the quadratic's own value at the reading: the noise of the reading is not counted twice.
+    let above = (fitted.quadratic.at(at) - fitted.quadratic.constant).exp() - 1.0;
+    Some((fitted.residual, above.max(0.0).hypot(fitted.u_rise(at))))
 }
 
 #[cfg(test)]
@@ -141,6 +162,46 @@ mod tests {
             assert!(
                 (found.u / missed - 1.0).abs() < 0.25,
                 "{pitch} {phase:?}: u {} missed {missed}",
+                found.u
+            );
+        }
+    }
+
+    #[test]
+    fn a_ridge_that_bends_on_the_sphere_is_claimed_as_one_that_is_straight() {
+        // Slopes of a brushed surface, brushed 20 degrees off the plane of incidence; lines across the ridge, few readings along it.
+        let wi = Direction::from_degrees(45.0, 0.0);
+        let (sin, cos) = 20.0_f64.to_radians().sin_cos();
+        for phase in [[0.4, 0.5], [-0.3, 0.4], [0.2, -0.35]] {
+            let mut slice = raster(0.1, [0.0, 0.0], 1.0);
+            slice.incidence = wi.angles();
+            let mut points = Vec::new();
+            let mut dsf = Vec::new();
+            for k in -8..=8 {
+                for l in -4..=4 {
+                    // In widths.
+                    let (a, b) = (0.3 * (f64::from(k) + phase[0]), 0.3 * (f64::from(l) + phase[1]));
+                    let (across, along) = (0.04 * a, 0.3 * b);
+                    let h =
+                        DVec3::new(across * cos - along * sin, across * sin + along * cos, 1.0).normalize();
+                    let d = 2.0 * wi.vec().dot(h) * h - wi.vec();
+                    if d.z > 0.05 {
+                        points.push(d);
+                        dsf.push((-a * a - b * b).exp());
+                    }
+                }
+            }
+            slice.theta_s = points.iter().map(|p| Direction::from_unit(*p).theta()).collect();
+            slice.phi_s = points.iter().map(|p| Direction::from_unit(*p).phi()).collect();
+            slice.u_dsf = vec![0.0; points.len()];
+            slice.flags = vec![crate::Flags::default(); points.len()];
+            slice.dsf = dsf;
+            let found = highest(&slice, Side::Front).unwrap();
+            let missed = 1.0 - found.value;
+            assert!(missed > 0.01, "{phase:?}: {missed}");
+            assert!(
+                (found.u / (missed * found.value) - 1.0).abs() < 0.1,
+                "{phase:?}: u {} missed {missed}",
                 found.u
             );
         }

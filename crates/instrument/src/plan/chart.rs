@@ -1,6 +1,6 @@
 //! Planes in which lobes are laid out.
 
-use gonio_geom::{Component, DVec3, Direction, Side};
+use gonio_geom::{Component, DVec3, Direction, Side, half_slope};
 
 /// A map between a plane and the directions of one hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,10 +69,7 @@ impl Chart {
     /// The point of the plane for a direction of its hemisphere.
     pub(super) fn point(&self, d: Direction) -> [f64; 2] {
         match *self {
-            Chart::Slope { wi, side } => {
-                let h = wi + to_front(d.vec(), side);
-                [h.x / h.z, h.y / h.z]
-            }
+            Chart::Slope { wi, .. } => half_slope(Direction::from_unit(wi), d),
             Chart::Tangent { centre, .. } => {
                 let (a, b) = centre.any_orthonormal_pair();
                 let (x, y) = (d.vec().dot(a), d.vec().dot(b));
