@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from gonio._native import DomainError
-from gonio.instruments import SECTIONS, Instrument
+from gonio.instrument_sections import SECTIONS
+from gonio.instruments import Instrument
 
 BESIDE = (("beam", "table"), ("lamp", "spectrum"))
 """Keys that name a file beside the instrument's."""

@@ -56,7 +56,9 @@ class PlannedScan:
     `integral` is DHR or DHT as processing would give it, `u_integral` what it would claim, of which the path
     decides `u_quadrature`, `error` by how much it would be off. `peak` is the highest reading (1/sr) at
     `peak_at`, `u_peak` its claim as the height of the lobe, of which `u_sampling` comes from readings beside
-    the top. `u_common` is what calibration and scans of the beam leave of both. `flattened`: share by which
+    the top. With several detectors, each is to meet the targets; these figures are those of the least certain
+    one: `channel_integral` of the integral, `channel_peak` of the peak. `u_common` is what calibration and
+    scans of the beam leave of both. `flattened`: share by which
     beam and aperture lower the material's highest peak. `unread`: share of the hemisphere in the detector's
     shadow or beyond the last polar angle; `shaded` and `beyond`: shares of the light there. `base`: pitch
     away from lobes. `missed` says what keeps a target from being met: time, instrument (noise, calibration,
@@ -68,11 +70,13 @@ class PlannedScan:
     component: Component
     readings: int
     seconds: float
+    channel_integral: str
     integral: float
     error: float
     u_integral: float
     u_quadrature: float
     u_common: float
+    channel_peak: str
     peak: float
     peak_at: tuple[float, float]
     u_peak: float
@@ -91,7 +95,8 @@ class Plan:
     """A path with what it is expected to give and what it will miss.
 
     `path` holds where the detector reads, one entry an incidence, `seconds` the time of the whole campaign
-    with dark records and scans of the beam, `misses` sentences. `settings` is what was asked.
+    with dark records and scans of the beam, `misses` sentences. `settings` is what was asked, `channels` the
+    detectors that meet it.
     """
 
     material: Material
@@ -102,6 +107,7 @@ class Plan:
     seconds: float
     misses: tuple[str, ...]
     settings: Mapping[str, Any]
+    channels: tuple[str, ...]
 
     @property
     def met(self) -> bool:
@@ -115,6 +121,7 @@ class Plan:
             "description": self.material.description,
             "instrument": self.instrument.name,
             "settings": dict(self.settings),
+            "channels": list(self.channels),
             "met": self.met,
             "readings": self.readings,
             "seconds": self.seconds,
@@ -166,7 +173,7 @@ def plan(
     Rings of a coarse base are laid over each hemisphere and lines over each lobe, densest at its top, across
     its ridge, and as much closer together across the plane of incidence as lobes are narrower there. The path
     is measured with the virtual instrument and processed, and refined where that helps most for the readings
-    it costs (docs/plan.md).
+    it costs (docs/plan.md). Of several detectors that read at once every one is to meet the targets.
 
     Parameters
     ----------
@@ -269,8 +276,14 @@ def plan(
         ),
         readings=found["readings"],
         seconds=found["seconds"],
-        misses=(*notes, *misses(scans, target_dhr=target_dhr, target_peak=target_peak)),
+        misses=(
+            *notes,
+            *misses(
+                scans, target_dhr=target_dhr, target_peak=target_peak, several=len(found["channels"]) > 1
+            ),
+        ),
         settings=asked,
+        channels=tuple(found["channels"]),
     )
     if out is not None:
         result.write(out, force=force)
@@ -322,17 +335,20 @@ WHY = {
 }
 
 
-def misses(scans: Sequence[PlannedScan], *, target_dhr: float, target_peak: float) -> list[str]:
-    """Return sentences on what a planned path will miss."""
+def misses(
+    scans: Sequence[PlannedScan], *, target_dhr: float, target_peak: float, several: bool = False
+) -> list[str]:
+    """Return sentences on what a planned path will miss; of `several` detectors they name the one meant."""
     found = []
     for s in scans:
         place = f"theta_i {s.theta_i:g}°, phi_i {s.phi_i:g}°, {s.component}"
         name = "DHR" if s.component == "reflection" else "DHT"
+        by, of = (f" ({c})" if several else "" for c in (s.channel_integral, s.channel_peak))
         over = []
         if max(s.u_integral, s.error) > target_dhr:
-            over.append(f"{name} to {max(s.u_integral, s.error):.2%} instead of {target_dhr:.2%}")
+            over.append(f"{name} to {max(s.u_integral, s.error):.2%} instead of {target_dhr:.2%}{by}")
         if s.u_peak > target_peak:
-            over.append(f"peak to {s.u_peak:.2%} instead of {target_peak:.2%}")
+            over.append(f"peak to {s.u_peak:.2%} instead of {target_peak:.2%}{of}")
         if s.missed is not None:
             found.append(f"{place}: {', '.join(over) or 'a target'}: {WHY[s.missed]}")
     flat = max(scans, key=lambda s: s.flattened, default=None)

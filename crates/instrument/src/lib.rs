@@ -10,6 +10,7 @@
 
 mod beam_signal;
 pub mod campaign;
+mod campaign_check;
 pub mod detector;
 pub mod device;
 pub mod error;
@@ -22,8 +23,11 @@ pub mod plan;
 pub mod profile;
 pub mod readout;
 pub mod region;
+mod session;
 mod signal;
 pub mod sphere;
+mod trial;
+mod way;
 
 pub use campaign::{Campaign, Instrument, simulate, simulate_watched};
 pub use detector::{Detector, GainRange, Output};

@@ -11,7 +11,7 @@ use crate::bsdf::Bsdf;
 use crate::errors::OrRaise;
 use crate::simulate::{add_parts, component, instrument};
 
-/// A planned path: `table` (theta_i, phi_i, theta_s, phi_s in degrees), `scans`, `readings`, `seconds`. `gonio.plan` says what
+/// A planned path: `table` (theta_i, phi_i, theta_s, phi_s in degrees), `scans`, `readings`, `seconds`, `channels`. `gonio.plan` says what
 /// they hold. `watch` is called with the rounds that are done and may be; an exception of its ends the search.
 #[pyfunction]
 #[pyo3(signature = (
@@ -107,6 +107,8 @@ fn plan<'py>(
         scans.append(scan(py, s)?)?;
     }
     out.set_item("scans", scans)?;
+    let channels: Vec<String> = found.channels.iter().map(ToString::to_string).collect();
+    out.set_item("channels", channels)?;
     Ok(out)
 }
 
@@ -117,6 +119,8 @@ fn scan<'py>(py: Python<'py>, s: &PlannedScan) -> PyResult<Bound<'py, PyDict>> {
     out.set_item("phi_i", phi_i)?;
     out.set_item("component", s.component.to_string())?;
     out.set_item("readings", s.readings)?;
+    out.set_item("channel_integral", s.channel_integral.to_string())?;
+    out.set_item("channel_peak", s.channel_peak.to_string())?;
     for (name, value) in [
         ("seconds", s.seconds),
         ("integral", s.integral),

@@ -94,11 +94,15 @@ def plan(
         f"{found.readings:,} readings, {found.seconds / 60:.1f} minutes with {found.instrument.name}; "
         f"targets {'met' if found.met else 'NOT met'}"
     )
-    out.print("theta_i   phi_i  hemisphere    readings  minutes  integral    u, %       peak    u, %")
+    several = len(found.channels) > 1
+    head = "theta_i   phi_i  hemisphere    readings  minutes  integral    u, %       peak    u, %"
+    out.print(head + ("  decided by" if several else ""))
     for s in found.scans:
+        by = f"  {s.channel_integral}, {s.channel_peak}" if several else ""
         out.print(
             f"{s.theta_i:7.1f} {s.phi_i:7.1f}  {s.component:12} {s.readings:9,} {s.seconds / 60:8.1f} "
             f"{s.integral:9.4f} {100 * max(s.u_integral, s.error):7.2f} {s.peak:10.4g} {100 * s.u_peak:7.2f}"
+            f"{by}"
         )
     for sentence in found.misses:
         out.print(f"- {sentence}")

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use gonio_geom::{DVec3, Direction};
 
-use crate::signal::Way;
+use crate::way::Way;
 use crate::{Focus, Instrument};
 
 /// Rays from the beam for one from each reading.

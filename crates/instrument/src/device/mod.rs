@@ -2,8 +2,11 @@
 
 mod apertures;
 mod beamlet;
+mod contributions;
+mod part;
 mod patches;
 mod readings;
+mod sums;
 
 pub use patches::{Effort, PatchTable, Progress, patch_tables};
 pub use readings::{CHANNELS, Measured, MonteCarlo, ReadingEffort, simulate_device};

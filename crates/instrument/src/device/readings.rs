@@ -6,24 +6,24 @@
 //! means over independent sets of rays, whose scatter is the error; more rays follow until it is below the noise of the instrument.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 use gonio_bsdf::Channel;
 use gonio_geom::{DVec3, Direction};
 use gonio_scan::Scan;
 use gonio_trace::accumulate::LUMINANCE;
-use gonio_trace::passage::{Entering, Leaving, Scattering};
 use gonio_trace::path::Limits;
-use gonio_trace::sampler::Sampler;
-use rayon::prelude::*;
 
 use super::Device;
 use super::apertures::Apertures;
-use super::beamlet::{Beamlet, FORWARD, SMALLEST, To};
-use crate::campaign::{check, run};
-use crate::nodes::{on_disk, shifted};
-use crate::signal::{Signal, Specimen, Way, mixed};
+use super::beamlet::{Beamlet, FORWARD};
+use super::contributions::Ways;
+use super::part::{Part, PartSignal};
+use super::sums::{REPLICATES, Sums};
+use crate::campaign::run;
+use crate::campaign_check::check;
+use crate::signal::{Signal, Specimen, mixed};
+use crate::way::Way;
 use crate::{Campaign, Instrument, InstrumentError, Outline, Output};
 
 /// How the readings of a part are computed.
@@ -143,14 +143,6 @@ pub fn simulate_device(
     Ok(records.map(|records| (records, known)))
 }
 
-/// A part on the holder.
-struct Part<'a> {
-    device: &'a Device,
-    effort: &'a ReadingEffort,
-    seed: u64,
-    known: Mutex<Vec<MonteCarlo>>,
-}
-
 impl Specimen for Part<'_> {
     fn signal<'a>(
         &'a self,
@@ -169,362 +161,10 @@ impl Specimen for Part<'_> {
     }
 }
 
-/// A part lit from one direction.
-struct PartSignal<'a> {
-    part: &'a Part<'a>,
-    instrument: &'a Instrument,
-    outputs: &'a [Output],
-    way: Way,
-    surface: DVec3,
-}
-
-/// Independent sets of rays.
-const REPLICATES: usize = 16;
 /// Rays of each set at first.
 const FIRST: u32 = 16;
 /// Rays of each set that are looked for in apertures at first.
 const FIRST_MET: u32 = 1024;
-/// Readings that are computed together.
-const BLOCK: usize = 64;
-
-/// A ray of the beam on the part: where it meets the sample's plane, and what goes with it.
-#[derive(Clone, Copy)]
-struct Lit {
-    /// Metres, in the sample's frame.
-    x: DVec3,
-    /// Towards the source.
-    wi: DVec3,
-    aperture: [f64; 2],
-    time: f64,
-}
-
-/// Where light comes from to the readings.
-struct Source {
-    scattering: Scattering,
-    lit: Lit,
-    /// Metres, in the sample's frame.
-    from: DVec3,
-}
-
-/// Sums over the rays of each set, `[set][reading]`, red, green and blue, and the rays of each set a reading.
-struct Sums {
-    sum: Vec<Vec<Vec3>>,
-    rays: Vec<u32>,
-}
-
-impl Sums {
-    fn new(readings: usize) -> Self {
-        Sums {
-            sum: vec![vec![Vec3::ZERO; readings]; REPLICATES],
-            rays: vec![0; readings],
-        }
-    }
-
-    /// Mean of a reading over all sets.
-    fn mean(&self, j: usize) -> Vec3 {
-        let sum: Vec3 = self.sum.iter().map(|s| s[j]).sum();
-        sum / (self.rays[j].max(1) as f32 * REPLICATES as f32)
-    }
-
-    /// Square of the standard error of a mean, with these weights of the channels.
-    fn square(&self, j: usize, weights: Vec3) -> f64 {
-        let mean = weights.dot(self.mean(j));
-        let per = 1.0 / self.rays[j].max(1) as f32;
-        let squares = self.sum.iter().map(|s| (weights.dot(s[j]) * per - mean).powi(2));
-        f64::from(squares.sum::<f32>()) / (REPLICATES * (REPLICATES - 1)) as f64
-    }
-}
-
-impl PartSignal<'_> {
-    /// Rays `range` of set `set`: those of the beam that fall on the sample, and what they are on the part. Rays beside it are left out.
-    fn rays(&self, set: usize, range: std::ops::Range<u32>) -> (Vec<Lit>, Vec<Entering>) {
-        let Instrument {
-            beam,
-            detector,
-            holder,
-            ..
-        } = self.instrument;
-        let seed = super::patches::seed(self.part.seed, set as u32);
-        let mut numbers = Sampler::new(seed, u32::MAX, u32::MAX);
-        let shift: [f32; 8] = std::array::from_fn(|_| numbers.one());
-        let mut lit = Vec::new();
-        let mut rays = Vec::new();
-        for k in range {
-            let u: [f64; 7] = shifted(k, &shift);
-            let [sx, sy] = on_disk([u[0], u[1]]).map(|s| 0.5 * beam.spot_diameter.max(SMALLEST) * s);
-            let x = self.way.lit(sx, sy);
-            if !holder.holds(x) {
-                continue;
-            }
-            let (bs, bc) = (std::f64::consts::TAU * u[3]).sin_cos();
-            let chord = beam.profile.chord_of_share(u[2]);
-            let Some(wi) = self.way.source(beam, detector.distance, x, chord, [bc, bs]) else {
-                continue;
-            };
-            lit.push(Lit {
-                x,
-                wi: wi.vec(),
-                aperture: on_disk([u[4], u[5]]),
-                time: u[6] - 0.5,
-            });
-            rays.push(Entering {
-                origin: self.before(x, wi.vec()),
-                direction: -wi.vec().as_vec3(),
-                sampler: Sampler::new(seed, 1, k),
-            });
-        }
-        (lit, rays)
-    }
-
-    /// Where a ray through `x` of the sample's plane that comes from `from` meets the box of the part, in its frame.
-    fn before(&self, x: DVec3, from: DVec3) -> Vec3 {
-        let Device { cell, window, .. } = self.part.device;
-        let z = match from.z > 0.0 {
-            true => cell.high.z,
-            false => cell.low.z,
-        };
-        let [low, high] = *window;
-        let middle = DVec3::new(
-            0.5 * f64::from(low[0] + high[0]),
-            0.5 * f64::from(low[1] + high[1]),
-            0.0,
-        );
-        let at = (x - self.surface) / self.part.effort.unit + middle;
-        let at = at + (f64::from(z) - at.z) / from.z * from;
-        let wrapped = |x: f64, low: f32, high: f32| match cell.periodic {
-            true => f64::from(low) + (x - f64::from(low)).rem_euclid(f64::from(high - low)),
-            false => x,
-        };
-        let (x, y) = (wrapped(at.x, low[0], high[0]), wrapped(at.y, low[1], high[1]));
-        Vec3::new(x as f32, y as f32, z)
-    }
-
-    /// A point of the part's frame in that of the sample, metres; of a part that repeats, `fell`, where the light fell on it.
-    fn place(&self, at: Vec3, fell: DVec3) -> DVec3 {
-        let Device { cell, window, .. } = self.part.device;
-        if cell.periodic {
-            return fell;
-        }
-        let [low, high] = *window;
-        let middle = 0.5 * (Vec3::new(low[0], low[1], 0.0) + Vec3::new(high[0], high[1], 0.0));
-        self.surface + self.part.effort.unit * (at - middle).as_dvec3()
-    }
-
-    /// Where a ray passes the sample's plane, metres.
-    fn passes(&self, at: DVec3, direction: DVec3) -> DVec3 {
-        at + (self.surface.z - at.z) / direction.z * direction
-    }
-
-    /// Rays `range` of a set, as far as they are scattered.
-    fn sources(&self, set: usize, range: std::ops::Range<u32>) -> Vec<Source> {
-        let (lit, rays) = self.rays(set, range);
-        let Part { device, effort, .. } = self.part;
-        let mut found = Vec::new();
-        device.scene.pass_heard(
-            &device.cell,
-            &rays,
-            &effort.limits,
-            &mut Vec::new(),
-            &mut |scattering: Scattering| {
-                let lit = lit[scattering.ray as usize];
-                let from = self.place(scattering.point(), lit.x);
-                found.push(Source {
-                    scattering,
-                    lit,
-                    from,
-                });
-            },
-        );
-        found
-    }
-
-    /// What a reading has of a source: flux per unit solid angle of the aperture, seen from the middle.
-    fn joined(&self, source: &Source, ws: Direction, (a, b): (DVec3, DVec3), travel: DVec3) -> Vec3 {
-        let detector = &self.instrument.detector;
-        let radius = detector.aperture.tan();
-        let [u, v] = source.lit.aperture;
-        let at = ws.vec() + radius * (u * a + v * b) + source.lit.time * travel;
-        let way = detector.distance * at - source.from;
-        let inverse = way.length_recip();
-        let direction = way * inverse;
-        let facing = direction.dot(ws.vec()) * (detector.distance * inverse).powi(2);
-        let Part { device, .. } = self.part;
-        let f = device
-            .scene
-            .scattered_to(&device.cell, &source.scattering, direction.as_vec3());
-        f * facing as f32
-    }
-
-    /// Adds rays up to `goal` a set to the readings that are open.
-    fn join(&self, sums: &mut Sums, open: &[usize], goal: u32, ws: &[Direction], travel: &[DVec3]) {
-        let Some(first) = open.first().map(|j| sums.rays[*j]) else {
-            return;
-        };
-        let sources: Vec<Vec<Source>> = (0..REPLICATES)
-            .into_par_iter()
-            .map(|set| self.sources(set, first..goal))
-            .collect();
-        let found: Vec<Vec<[Vec3; REPLICATES]>> = open
-            .par_chunks(BLOCK)
-            .map(|block| {
-                let of = |j: &usize| {
-                    let axes = ws[*j].vec().any_orthonormal_pair();
-                    std::array::from_fn(|set| {
-                        let each = sources[set].iter();
-                        each.map(|s| self.joined(s, ws[*j], axes, travel[*j])).sum()
-                    })
-                };
-                block.iter().map(of).collect()
-            })
-            .collect();
-        for (j, sets) in open.iter().zip(found.iter().flatten()) {
-            for (all, x) in sums.sum.iter_mut().zip(sets) {
-                all[*j] += *x;
-            }
-            sums.rays[*j] = goal;
-        }
-    }
-
-    /// Adds rays of the beam up to `goal` of each set to the open readings whose aperture they hit, and rays from these; whether any
-    /// comes to the readings unscattered or from an ideal surface.
-    fn meet(
-        &self,
-        sums: &mut Sums,
-        apertures: &Apertures,
-        open: &[usize],
-        goal: u32,
-        ways: &Ways<'_>,
-    ) -> bool {
-        let Some(first) = open.first().map(|j| sums.rays[*j]) else {
-            return false;
-        };
-        let mut is_open = vec![false; sums.rays.len()];
-        open.iter().for_each(|j| is_open[*j] = true);
-        let any = AtomicBool::new(false);
-        sums.sum.par_iter_mut().enumerate().for_each(|(set, sum)| {
-            let mut from = first;
-            while from < goal {
-                let to = goal.min(from + 4096);
-                if self.hit(set, from..to, apertures, &is_open, ways, sum) {
-                    any.store(true, Ordering::Relaxed);
-                }
-                from = to;
-            }
-        });
-        let any = any.into_inner() || first > 0;
-        if any {
-            let found: Vec<Vec<[Vec3; REPLICATES]>> = open
-                .par_chunks(BLOCK)
-                .map(|block| {
-                    let each = block.iter();
-                    each.map(|j| std::array::from_fn(|set| self.look(set, first..goal, *j, ways)))
-                        .collect()
-                })
-                .collect();
-            for (j, sets) in open.iter().zip(found.iter().flatten()) {
-                sums.sum.iter_mut().zip(sets).for_each(|(all, x)| all[*j] += *x);
-            }
-        }
-        open.iter().for_each(|j| sums.rays[*j] = goal);
-        any
-    }
-
-    /// Rays `range` of a set from the beam; whether any left from an ideal surface or straight.
-    fn hit(
-        &self,
-        set: usize,
-        range: std::ops::Range<u32>,
-        apertures: &Apertures,
-        is_open: &[bool],
-        ways: &Ways<'_>,
-        sum: &mut [Vec3],
-    ) -> bool {
-        let Part { device, effort, .. } = self.part;
-        let (lit, rays) = self.rays(set, range);
-        let mut left: Vec<Leaving> = Vec::new();
-        device
-            .scene
-            .pass_heard(&device.cell, &rays, &effort.limits, &mut left, &mut |_| ());
-        let mut any = false;
-        for ray in left.iter().filter(|ray| ray.ideal) {
-            any = true;
-            let lit = &lit[ray.ray as usize];
-            let direction = ray.direction.as_dvec3();
-            let from = self.place(ray.origin, lit.x);
-            let y = self.passes(from, direction);
-            apertures.hit(from, direction, lit.time, |j, at| {
-                if !is_open[j] {
-                    return;
-                }
-                let share = match ray.scattered {
-                    true => 1.0,
-                    false => {
-                        let density = ways.beamlet.density(lit.x, lit.wi);
-                        ways.beamlet
-                            .forward_share(density, y, &To::new(y, at, ways.ws[j]))
-                    }
-                };
-                sum[j] += ray.weight * share as f32 * apertures.per_solid_angle();
-            });
-        }
-        any
-    }
-
-    /// Rays of a set from the aperture of reading `j`, one for [`FORWARD`] of those `range` from the beam.
-    fn look(&self, set: usize, range: std::ops::Range<u32>, j: usize, ways: &Ways<'_>) -> Vec3 {
-        let Part {
-            device, effort, seed, ..
-        } = self.part;
-        let detector = &self.instrument.detector;
-        let seed = super::patches::seed(*seed, set as u32);
-        let mut numbers = Sampler::new(seed, u32::MAX - 1, j as u32);
-        let shift: [f32; 5] = std::array::from_fn(|_| numbers.one());
-        let ws = ways.ws[j];
-        let (a, b) = ws.vec().any_orthonormal_pair();
-        let radius = detector.aperture.tan();
-        let mut to = Vec::new();
-        let mut rays = Vec::new();
-        for k in range.start / FORWARD..range.end / FORWARD {
-            let u: [f64; 5] = shifted(k, &shift);
-            let y = ways.beamlet.point(on_disk([u[0], u[1]]));
-            let [s, t] = on_disk([u[2], u[3]]);
-            let at = ws.vec() + radius * (s * a + t * b) + (u[4] - 0.5) * ways.travel[j];
-            let way = To::new(y, detector.distance * at, ws);
-            rays.push(Entering {
-                origin: self.before(y, way.direction),
-                direction: -way.direction.as_vec3(),
-                sampler: Sampler::new(seed ^ 0x5bd1_e995, j as u32, k),
-            });
-            to.push((y, way));
-        }
-        let mut left: Vec<Leaving> = Vec::new();
-        device
-            .scene
-            .pass_ideal(&device.cell, &rays, &effort.limits, &mut left);
-        left.iter()
-            .map(|ray| {
-                let (y, way) = &to[ray.ray as usize];
-                let wi = ray.direction.as_dvec3();
-                let x = self.passes(self.place(ray.origin, *y), wi);
-                let density = match wi.dot(self.way.through()) < 0.0 {
-                    true => ways.beamlet.density(x, wi),
-                    false => 0.0,
-                };
-                // Rays are counted as those of the beam.
-                let found = ways.beamlet.backward(density, *y, way) * f64::from(FORWARD);
-                ray.weight * found as f32
-            })
-            .sum()
-    }
-}
-
-/// What goes from the beam to the readings without being scattered.
-struct Ways<'a> {
-    beamlet: Beamlet<'a>,
-    ws: &'a [Direction],
-    travel: &'a [DVec3],
-}
-
 impl Signal for PartSignal<'_> {
     fn all(&self, ws: &[Direction], travel: &[DVec3]) -> Vec<Vec<f64>> {
         let effort = self.part.effort;

@@ -8,7 +8,7 @@ use crate::detector::Output;
 use crate::signal::{SampleSignal, Signal};
 use crate::{Holder, Instrument};
 
-/// DSF over directions for one incidence and the first detector.
+/// DSF over directions for one incidence and one detector.
 pub(super) struct Field<'a> {
     model: &'a dyn Bsdf,
     signal: SampleSignal<'a>,
@@ -19,7 +19,7 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// For light from `wi`; `outputs` are the detectors, one at least, of which the first counts.
+    /// For light from `wi`; the first of `outputs`, one at least, is the detector.
     pub(super) fn new(
         model: &'a dyn Bsdf,
         instrument: &'a Instrument,

@@ -1,18 +1,26 @@
 //! What a path would give: measured with the virtual instrument and processed like a recording.
 
-use gonio_bsdf::Bsdf;
+use gonio_bsdf::Channel;
 use gonio_geom::{Angles, Component, Direction};
 use gonio_scan::{Highest, ProcessOptions, ScanKind, Slice, highest, process_owned};
 
-use crate::campaign::{Trial, trials};
-use crate::{Campaign, Instrument, InstrumentError};
+use crate::InstrumentError;
+use crate::trial::{Trial, Trials};
 
 /// What one trial over one hemisphere gives.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Outcome {
     pub(super) readings: usize,
     /// Seconds from the first reading to the last.
     pub(super) seconds: f64,
+    /// What each detector that sees light there would claim.
+    pub(super) claims: Vec<Claims>,
+}
+
+/// What one detector would claim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Claims {
+    pub(super) channel: Channel,
     pub(super) integral: f64,
     /// By how much it is off, relative: what is read is known here.
     pub(super) error: f64,
@@ -28,21 +36,19 @@ pub(super) struct Outcome {
     pub(super) u_sampling: f64,
 }
 
+impl Claims {
+    /// The uncertainty of the integral: a claim that the known error exceeds is none to rely on.
+    pub(super) fn of_integral(&self) -> f64 {
+        self.u_integral.max(self.error)
+    }
+}
+
 impl Outcome {
-    /// Of nothing.
-    pub(super) const NONE: Outcome = Outcome {
-        readings: 0,
-        seconds: 0.0,
-        integral: 0.0,
-        error: f64::INFINITY,
-        u_integral: f64::INFINITY,
-        u_quadrature: f64::INFINITY,
-        u_common: 0.0,
-        peak: 0.0,
-        peak_at: Angles { theta: 0.0, phi: 0.0 },
-        u_peak: f64::INFINITY,
-        u_sampling: f64::INFINITY,
-    };
+    /// The detector that decides on the integral, and the one that decides on the peak; `None` where nothing was read.
+    pub(super) fn deciding(&self) -> Option<[&Claims; 2]> {
+        let worst = |of: fn(&Claims) -> f64| self.claims.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+        Some([worst(Claims::of_integral)?, worst(|c| c.u_peak)?])
+    }
 }
 
 /// A path to be tried.
@@ -50,41 +56,37 @@ pub(super) struct Asked {
     pub(super) incidence: Angles,
     pub(super) component: Component,
     pub(super) path: Vec<Direction>,
-    /// The true integral.
-    pub(super) integral: f64,
+    /// The true integral, one an output of the detector.
+    pub(super) integrals: Vec<f64>,
 }
 
-/// Outcomes of trials in their order, by the first detector; `None` where readings say nothing of a hemisphere.
+/// DHR or DHT up to which a hemisphere is dark to a detector.
+pub(super) const DARK: f64 = 1e-9;
+
+/// Outcomes of trials in their order; `None` where readings say nothing of a hemisphere that a detector sees light from.
 ///
 /// # Errors
-/// [`InstrumentError`] where the campaign cannot be simulated.
+/// [`InstrumentError`] where the records cannot be processed.
 pub(super) fn outcomes(
-    model: &dyn Bsdf,
-    instrument: &Instrument,
-    campaign: &Campaign,
+    trials: &mut Trials<'_>,
     u_calibration: f64,
     paths: Vec<Asked>,
 ) -> Result<Vec<Option<Outcome>>, InstrumentError> {
-    let known: Vec<(Component, f64)> = paths.iter().map(|p| (p.component, p.integral)).collect();
+    let known: Vec<(Component, Vec<f64>)> =
+        paths.iter().map(|p| (p.component, p.integrals.clone())).collect();
     let asked = paths.into_iter().map(|p| Trial {
         incidence: p.incidence,
         directions: p.path,
     });
-    let records = trials(model, instrument, campaign, asked.collect())?;
-    let of = |kind: ScanKind| records.iter().filter(move |r| r.kind == kind);
-    let channel = match of(ScanKind::Beam).next() {
-        Some(beam) => beam.channel,
-        None => return Ok(vec![None; known.len()]),
+    let sample = trials.read(asked.collect());
+    let detectors = trials.detectors();
+    let of = |kind: ScanKind| -> Vec<_> {
+        let records = trials.reference().iter();
+        records.filter(|r| r.kind == kind).cloned().collect()
     };
-    let first = |kind: ScanKind| {
-        of(kind)
-            .filter(|r| r.channel == channel)
-            .cloned()
-            .collect::<Vec<_>>()
-    };
-    let sample = first(ScanKind::Sample);
     let seconds: Vec<f64> = sample
         .iter()
+        .step_by(detectors)
         .map(|s| match s.time.as_deref() {
             Some([first, .., last]) => last - first,
             _ => 0.0,
@@ -94,20 +96,19 @@ pub(super) fn outcomes(
         u_calibration,
         ..ProcessOptions::default()
     };
-    let processed = process_owned(sample, &first(ScanKind::Beam), &first(ScanKind::Dark), &options);
+    let processed = process_owned(sample, &of(ScanKind::Beam), &of(ScanKind::Dark), &options);
     let measurement = processed.map_err(|error| InstrumentError::Domain {
         field: "plan",
         found: error.to_string(),
         allowed: "an instrument whose readings can be processed".into(),
     })?;
-    let outcome = |(slice, (&(component, truth), &seconds)): (&Slice, (&(Component, f64), &f64))| {
+    let claims = |slice: &Slice, component: Component, truth: f64| {
         let side = component.scattered_side(slice.incidence.direction().side());
         let integral = slice.integral(side)?;
         let peak: Highest = highest(slice, side)?;
         let relative = |u: f64| u / integral.value.abs().max(f64::MIN_POSITIVE);
-        Some(Outcome {
-            readings: slice.len(),
-            seconds,
+        Some(Claims {
+            channel: slice.channel,
             integral: integral.value,
             error: (integral.value / truth - 1.0).abs(),
             u_integral: relative(integral.u),
@@ -119,9 +120,18 @@ pub(super) fn outcomes(
             u_sampling: peak.u_sampling / peak.value,
         })
     };
+    let outcome = |(slices, ((component, truths), &seconds)): (&[Slice], (&(Component, Vec<f64>), &f64))| {
+        let lit = slices.iter().zip(truths).filter(|(_, t)| **t > DARK);
+        let claims: Option<Vec<Claims>> = lit.map(|(s, t)| claims(s, *component, *t)).collect();
+        Some(Outcome {
+            readings: slices.first()?.len(),
+            seconds,
+            claims: claims.filter(|c| !c.is_empty())?,
+        })
+    };
     Ok(measurement
         .slices
-        .iter()
+        .chunks_exact(detectors)
         .zip(known.iter().zip(&seconds))
         .map(outcome)
         .collect())

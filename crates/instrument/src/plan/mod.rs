@@ -14,8 +14,9 @@ mod lobe;
 mod report;
 mod search;
 mod steps;
+mod survey;
 
-use gonio_bsdf::Bsdf;
+use gonio_bsdf::{Bsdf, Channel};
 use gonio_geom::{Angles, Component, Direction};
 
 use crate::error::in_range;
@@ -70,6 +71,8 @@ pub struct Plan {
     pub table: PathTable,
     /// One an incidence and hemisphere.
     pub scans: Vec<PlannedScan>,
+    /// The detectors that read at once, each of which is to meet the targets.
+    pub channels: Vec<Channel>,
     /// Readings of the sample.
     pub readings: usize,
     /// Seconds of the whole campaign, dark records and scans of the beam included.
@@ -87,6 +90,8 @@ pub struct PlannedScan {
     pub readings: usize,
     /// Seconds from its first reading to the last.
     pub seconds: f64,
+    /// The detector whose integral is the least certain: the next five are its.
+    pub channel_integral: Channel,
     /// DHR or DHT that processing would give.
     pub integral: f64,
     /// Its claimed uncertainty.
@@ -95,8 +100,10 @@ pub struct PlannedScan {
     pub error: f64,
     /// The part of it that the path decides.
     pub u_quadrature: f64,
-    /// The part of both uncertainties that calibration and scans of the beam decide.
+    /// The part of it that calibration and scans of the beam decide, as they do of that of the peak.
     pub u_common: f64,
+    /// The detector whose peak is the least certain: the next four are its.
+    pub channel_peak: Channel,
     /// Highest reading, 1/sr.
     pub peak: f64,
     /// Where.
@@ -185,7 +192,7 @@ impl PlanOptions {
 }
 
 /// Plans the path of `campaign` with `instrument`, whose own path counts for nothing but `theta_max`, for a material that
-/// scatters as `model`. Decided by the first detector; the seed of the campaign decides the phases of the path. `watch` is
+/// scatters as `model`. Every detector that sees light is to meet the targets; the seed of the campaign decides the phases of the path. `watch` is
 /// called with rounds done and rounds there may be; where it returns false there is no plan.
 ///
 /// # Errors

@@ -6,12 +6,15 @@ use gonio_geom::{Angles, Component, Direction};
 use super::field::Field;
 use super::forecast::{Asked, Outcome, outcomes};
 use super::lay::{Design, Limits, Pitch, directions};
-use super::lobe::{Lobe, Survey, survey};
+use super::lobe::Lobe;
 use super::report::assembled;
 use super::steps::{savings, steps};
+use super::survey::{Survey, survey};
 use super::{Missed, Plan, PlanOptions, on};
-use crate::campaign::{check_model, overhead, random_stream};
+use crate::campaign_check::check_model;
 use crate::readout::recorded;
+use crate::session::random_stream;
+use crate::trial::{Trials, overhead};
 use crate::{Campaign, Instrument, InstrumentError};
 
 /// Rounds of refinement at most.
@@ -31,16 +34,14 @@ const LACK: f64 = 0.197;
 /// What a refinement has to lower the excess by for the logarithm of its readings, and how many in turn may not.
 const HELP: f64 = 0.2;
 const PATIENCE: usize = 3;
-/// DHR or DHT up to which a hemisphere is dark.
-const DARK: f64 = 1e-9;
 /// Readings of a hemisphere at most.
 const MOST: usize = 400_000;
 /// One incidence and hemisphere.
 pub(super) struct Part {
     pub(super) incidence: Angles,
     pub(super) component: Component,
-    /// DHR or DHT of the material.
-    pub(super) integral: f64,
+    /// DHR or DHT of the material, one an output of the detector.
+    pub(super) integrals: Vec<f64>,
     pub(super) survey: Survey,
     pub(super) limits: Limits,
     pub(super) design: Design,
@@ -71,33 +72,30 @@ impl Part {
             incidence: self.incidence,
             component: self.component,
             path: self.path(design, seed),
-            integral: self.integral,
+            integrals: self.integrals.clone(),
         }
     }
 }
 
-/// By how much the targets are exceeded, as the sum of logarithms; zero where both are met.
+/// By how much the targets are exceeded, as the sum of logarithms; zero where every detector meets both.
 fn excess(outcome: &Outcome, options: &PlanOptions) -> f64 {
     let over = |u: f64, target: f64| (u / (MARGIN * target)).ln().max(0.0);
-    // A claim that the known error exceeds is none to rely on.
-    let of_integral = outcome.u_integral.max(outcome.error);
-    over(of_integral, options.target_integral) + over(outcome.u_peak, options.target_peak)
+    outcome.deciding().map_or(f64::INFINITY, |[integral, peak]| {
+        over(integral.of_integral(), options.target_integral) + over(peak.u_peak, options.target_peak)
+    })
 }
 
-/// Whether a denser path could bring a missed target closer.
+/// Whether a denser path could bring a missed target closer, of any detector.
 fn path_is_to_blame(outcome: &Outcome, options: &PlanOptions) -> bool {
     let part = |u: f64, own: f64, target: f64| u > MARGIN * target && own * own > BLAME * u * u;
-    let noise = |u: f64, own: f64| {
-        (u * u - own * own - outcome.u_common * outcome.u_common)
+    outcome.claims.iter().any(|c| {
+        let noise = (c.u_integral.powi(2) - c.u_quadrature.powi(2) - c.u_common.powi(2))
             .max(0.0)
-            .sqrt()
-    };
-    let of_integral = outcome
-        .u_quadrature
-        .hypot(noise(outcome.u_integral, outcome.u_quadrature));
-    outcome.error > MARGIN * options.target_integral
-        || part(outcome.u_integral, of_integral, options.target_integral)
-        || part(outcome.u_peak, outcome.u_sampling, options.target_peak)
+            .sqrt();
+        c.error > MARGIN * options.target_integral
+            || part(c.u_integral, c.u_quadrature.hypot(noise), options.target_integral)
+            || part(c.u_peak, c.u_sampling, options.target_peak)
+    })
 }
 
 pub(super) fn search(
@@ -121,15 +119,17 @@ pub(super) fn search(
         return Ok(None);
     }
     let outputs = instrument.detector.outputs_for(model.channels())?;
-    let measure = |paths: Vec<Asked>| outcomes(model, &instrument, campaign, options.u_calibration, paths);
+    let mut trials = Trials::begun(model, &instrument, &outputs, campaign);
+    let mut measure = |paths: Vec<Asked>| outcomes(&mut trials, options.u_calibration, paths);
     let mut parts = Vec::new();
     for &incidence in &campaign.incidences {
-        let field = Field::new(model, &instrument, &outputs, incidence.direction());
+        let of = |k| Field::new(model, &instrument, &outputs[k..=k], incidence.direction());
+        let fields: Vec<Field<'_>> = (0..outputs.len()).map(of).collect();
         for &component in &campaign.components {
             parts.push(first(
                 &instrument,
                 options,
-                &field,
+                &fields,
                 incidence,
                 component,
                 parts.len(),
@@ -140,9 +140,7 @@ pub(super) fn search(
     let paths = parts.iter().map(|p| p.asked(&p.design, seed));
     let found = measure(paths.collect())?;
     for (part, outcome) in parts.iter_mut().zip(found) {
-        part.outcome = outcome
-            .filter(|_| part.integral > DARK)
-            .ok_or_else(|| unread(part))?;
+        part.outcome = outcome.ok_or_else(|| unread(part))?;
     }
     let fixed = overhead(&instrument, campaign);
     let total = |parts: &[Part]| fixed + parts.iter().map(|p| p.outcome.seconds).sum::<f64>();
@@ -229,7 +227,7 @@ pub(super) fn search(
         }
     }
     let seconds = total(&parts);
-    Ok(watched(ROUNDS, &mut watch).then(|| assembled(&parts, campaign, seconds, options)))
+    Ok(watched(ROUNDS, &mut watch).then(|| assembled(&parts, campaign, &outputs, seconds, options)))
 }
 
 fn unread(part: &Part) -> InstrumentError {
@@ -248,14 +246,14 @@ fn unread(part: &Part) -> InstrumentError {
 fn first(
     instrument: &Instrument,
     options: &PlanOptions,
-    field: &Field<'_>,
+    fields: &[Field<'_>],
     incidence: Angles,
     component: Component,
     index: usize,
 ) -> Part {
     let wi = incidence.direction();
     let (theta_max, shadow) = (instrument.path.theta_max, instrument.detector.shadow);
-    let mut survey = survey(field, wi, component, theta_max, shadow);
+    let mut survey = survey(fields, wi, component, theta_max, shadow);
     let noise = instrument.detector.noise_relative.hypot(options.u_calibration);
     let left = (MARGIN * options.target_peak).powi(2) - noise * noise;
     // A tenth of the target is left to the path where noise alone exceeds it.
@@ -289,7 +287,7 @@ fn first(
     Part {
         incidence,
         component,
-        integral: field.integral(component),
+        integrals: fields.iter().map(|f| f.integral(component)).collect(),
         survey,
         limits: Limits {
             side: component.scattered_side(wi.side()),
@@ -300,7 +298,7 @@ fn first(
             base: options.largest_pitch,
             lobes,
         },
-        outcome: Outcome::NONE,
+        outcome: Outcome::default(),
         state: State::Open,
         best: None,
         stalled: 0,
@@ -355,7 +353,8 @@ fn take_best(
                 part.best = None;
                 0
             } else {
-                part.best.get_or_insert((part.design.clone(), part.outcome));
+                part.best
+                    .get_or_insert_with(|| (part.design.clone(), part.outcome.clone()));
                 part.stalled + 1
             };
             (part.design, part.outcome) = (design, outcome);
