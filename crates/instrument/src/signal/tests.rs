@@ -1,5 +1,5 @@
 use super::*;
-use crate::BeamProfile;
+use crate::{Beam, BeamProfile};
 use gonio_bsdf::analytic::{Lambert, Spectrum, WardGmd};
 
 fn signal_at(model: &dyn Bsdf, beam: &Beam, detector: &Detector, wi: Direction, ws: Direction) -> f64 {
@@ -95,12 +95,7 @@ fn means_over_few_rays_are_off_by_less_than_a_tenth_of_the_noise() {
             let still = vec![DVec3::ZERO; ws.len()];
             let mut signal = SampleSignal::new(&model, &instrument, &outputs, wi);
             let found = signal.all(&ws, &still).remove(0);
-            let way = Way {
-                through: wi.through().vec(),
-                a: wi.through().vec().any_orthonormal_pair().0,
-                b: wi.through().vec().any_orthonormal_pair().1,
-                height: 0.0,
-            };
+            let way = Way::new(wi, 0.0);
             let distance = instrument.detector.distance;
             signal.rays = rays(&instrument.beam, distance, &instrument.holder, &way, 65_536).0;
             let mut columns = signal.columns(&ws, &still);
