@@ -63,6 +63,9 @@ pub(super) struct Asked {
 /// DHR or DHT up to which a hemisphere is dark to a detector.
 pub(super) const DARK: f64 = 1e-9;
 
+/// A hemisphere and its true integrals, one an output of the detector.
+type Known = (Component, Vec<f64>);
+
 /// Outcomes of trials in their order; `None` where readings say nothing of a hemisphere that a detector sees light from.
 ///
 /// # Errors
@@ -72,8 +75,7 @@ pub(super) fn outcomes(
     u_calibration: f64,
     paths: Vec<Asked>,
 ) -> Result<Vec<Option<Outcome>>, InstrumentError> {
-    let known: Vec<(Component, Vec<f64>)> =
-        paths.iter().map(|p| (p.component, p.integrals.clone())).collect();
+    let known: Vec<Known> = paths.iter().map(|p| (p.component, p.integrals.clone())).collect();
     let asked = paths.into_iter().map(|p| Trial {
         incidence: p.incidence,
         directions: p.path,
@@ -120,7 +122,7 @@ pub(super) fn outcomes(
             u_sampling: peak.u_sampling / peak.value,
         })
     };
-    let outcome = |(slices, ((component, truths), &seconds)): (&[Slice], (&(Component, Vec<f64>), &f64))| {
+    let outcome = |slices: &[Slice], (component, truths): &Known, seconds: f64| {
         let lit = slices.iter().zip(truths).filter(|(_, t)| **t > DARK);
         let claims: Option<Vec<Claims>> = lit.map(|(s, t)| claims(s, *component, *t)).collect();
         Some(Outcome {
@@ -129,10 +131,9 @@ pub(super) fn outcomes(
             claims: claims.filter(|c| !c.is_empty())?,
         })
     };
-    Ok(measurement
-        .slices
-        .chunks_exact(detectors)
-        .zip(known.iter().zip(&seconds))
-        .map(outcome)
+    let all = measurement.slices.chunks_exact(detectors).zip(&known);
+    Ok(all
+        .zip(seconds)
+        .map(|((slices, known), seconds)| outcome(slices, known, seconds))
         .collect())
 }
