@@ -57,7 +57,7 @@ from gonio.sphere_integrals import ConeValue, SphereIntegrals, cone_integral, sp
 from gonio.sphere_readings import SphereResult, specularity
 from gonio.sphere_simulation import SphereFlux, SphereMeasurement, SphereValue, sphere
 from gonio.spheres import Sphere, read_sphere
-from gonio.surface_geometry import SurfaceGeometry, surface_geometry
+from gonio.surface_geometry import SurfaceGeometry, surface
 from gonio.surface_roughness import Roughness, roughness
 from gonio.tabulating import tabulate
 
@@ -163,7 +163,7 @@ __all__ = [
     "sphere",
     "sphere_integrals",
     "studio_scene",
-    "surface_geometry",
+    "surface",
     "tabulate",
     "tone_mapped",
     "write_compact",

@@ -31,12 +31,13 @@ _TYPES = {
 class SurfaceGeometry:
     """A height map as a scene, for `simulate_geometry` and `simulate_readings`.
 
-    `scene` is the file to be read (the mesh lies beside it), in micrometres; `window` one period of it;
+    `scene` is the file to be read, in micrometres, `mesh` what it refers to; `window` one period of it;
     `rms_slope` of its facets, the root of the mean square of the slope over both axes: the alpha of a
     Beckmann distribution of slopes of the same mean square.
     """
 
     scene: Path
+    mesh: Path
     window: tuple[float, float, float, float]
     rms_slope: float
 
@@ -46,7 +47,7 @@ class SurfaceGeometry:
         return 1e-6
 
 
-def surface_geometry(
+def surface(
     source: str | os.PathLike[str] | Surface,
     *,
     out: str | os.PathLike[str],
@@ -98,31 +99,41 @@ def surface_geometry(
     number = usual if value is None else float(value)
     if not low <= number <= high:
         raise DomainError(f"value: found {number:g}, allowed {low:g} to {high:g}")
-    surface = (
+    heights = (
         source
         if isinstance(source, Surface)
         else read_surface(source, spacing=spacing, x_unit=x_unit, z_unit=z_unit)
     )
-    name = surface.path or "surface"
-    if surface.dy is None:
+    name = heights.path or "surface"
+    if heights.dy is None:
         raise FormatError(f"{name}: found a profile, allowed a height map")
-    if not np.isfinite(surface.z).all():
+    if not np.isfinite(heights.z).all():
         raise FormatError(f"{name}: found points that were not measured, allowed a map without holes")
-    z = _period(_level(surface.z), joins=joins)
+    z = _period(_level(heights.z), joins=joins)
     if z.size > MOST_POINTS:
         raise FormatError(f"{name}: found {z.size} points with its mirror images, allowed {MOST_POINTS}")
     rows, columns = z.shape
-    width, height = (columns - 1) * surface.dx, (rows - 1) * surface.dy
+    width, height = (columns - 1) * heights.dx, (rows - 1) * heights.dy
     mesh = target.with_suffix(".ply")
-    points, faces = _mesh(z, surface.dx, surface.dy)
+    points, faces = _mesh(z, heights.dx, heights.dy)
     if material == "dielectric":
         points, faces = _with_back(points, faces, width, height)
+    scene = _TYPES[material].format(number) + f"surface mesh map\n1 {_word(mesh.name)}\n0\n0\n"
     with replacing_file(mesh) as staged:
         _write_ply(staged, points, faces)
-    scene = _TYPES[material].format(number) + f"surface mesh map\n1 {mesh.name}\n0\n0\n"
     with replacing_file(target) as staged:
         staged.write_text(scene, encoding="utf-8")
-    return SurfaceGeometry(target, (0.0, 0.0, width, height), _rms_slope(z, surface.dx, surface.dy))
+    return SurfaceGeometry(target, mesh, (0.0, 0.0, width, height), _rms_slope(z, heights.dx, heights.dy))
+
+
+def _word(name: str) -> str:
+    """A name as a word of Radiance text: in quotes where it needs them."""
+    if not any(c.isspace() or c in "'\"" for c in name):
+        return name
+    quote = "'" if '"' in name else '"'
+    if quote in name:
+        raise DomainError(f"out: found {name!r}, allowed a name without both kinds of quotes")
+    return f"{quote}{name}{quote}"
 
 
 def _level(z: Array) -> Array:

@@ -37,6 +37,7 @@ def test_without_arguments_the_verbs_are_listed(run, arguments):
         "simulate",
         "specularity",
         "roughness",
+        "surface",
         "colour",
         "demo",
     ):

@@ -52,7 +52,7 @@ def beckmann(wi, ws, alpha):
 
 
 def test_a_gaussian_surface_of_mirrors_scatters_as_the_beckmann_model_of_its_slope(tmp_path):
-    part = gonio.surface_geometry(gaussian_map(), out=tmp_path / "rough.rad", joins=True)
+    part = gonio.surface(gaussian_map(), out=tmp_path / "rough.rad", joins=True)
     assert part.rms_slope == pytest.approx(0.2, rel=0.01)
     found = gonio.simulate_geometry(
         part.scene, window=part.window, periodic=True, basis="quarter", sides=["front"], rays=32768
@@ -76,7 +76,7 @@ def test_a_gaussian_surface_of_mirrors_scatters_as_the_beckmann_model_of_its_slo
 
 def test_a_plate_of_glass_with_a_rough_face_loses_no_light(tmp_path):
     heights = gaussian_map(n=64, slope=0.3)
-    part = gonio.surface_geometry(heights, out=tmp_path / "glass.rad", material="dielectric")
+    part = gonio.surface(heights, out=tmp_path / "glass.rad", material="dielectric")
     assert part.window == (0.0, 0.0, 126.0, 126.0)
     found = gonio.simulate_geometry(part.scene, window=part.window, periodic=True, basis="quarter", rays=1024)
     both = [found.model.albedo(side="front", component=c)[0] for c in ("reflection", "transmission")]
@@ -95,13 +95,13 @@ def test_a_plate_of_glass_with_a_rough_face_loses_no_light(tmp_path):
 def test_what_is_no_surface_is_refused(tmp_path, arguments, words):
     given = {"out": tmp_path / "rough.rad", **arguments}
     with pytest.raises(gonio.DomainError, match=words):
-        gonio.surface_geometry(gaussian_map(n=32), **given)
+        gonio.surface(gaussian_map(n=32), **given)
 
 
 def test_a_map_with_holes_and_a_profile_are_refused(tmp_path):
     holed = gaussian_map(n=32)
     holed.z[3, 4] = np.nan
     with pytest.raises(gonio.FormatError, match="without holes"):
-        gonio.surface_geometry(holed, out=tmp_path / "rough.rad")
+        gonio.surface(holed, out=tmp_path / "rough.rad")
     with pytest.raises(gonio.FormatError, match="found a profile"):
-        gonio.surface_geometry(Surface(np.sin(np.arange(100.0)), 1.0), out=tmp_path / "rough.rad")
+        gonio.surface(Surface(np.sin(np.arange(100.0)), 1.0), out=tmp_path / "rough.rad")

@@ -27,6 +27,7 @@ from gonio.cli.running import EXIT_ERROR, EXIT_INTERRUPTED, err, guarded, verb
 from gonio.cli.simulate import simulate
 from gonio.cli.specularity import specularity
 from gonio.cli.sphere import sphere
+from gonio.cli.surface import surface
 
 app = typer.Typer(
     name="gonio",
@@ -68,6 +69,7 @@ for function in (
     sphere,
     specularity,
     roughness,
+    surface,
     colour,
     demo,
 ):

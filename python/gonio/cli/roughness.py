@@ -11,21 +11,18 @@ import gonio
 from gonio.cli.running import Json, out, print_json, warn
 from gonio.surface_files import UNITS
 
+Spacing = Annotated[
+    str | None,
+    typer.Option(metavar="DX[,DY]", help="Step between points in --x-unit, where the file does not hold it."),
+]
+Length = Annotated[str | None, typer.Option(help=f"{', '.join(UNITS)}; where the file does not state it.")]
+
 
 def roughness(
     surface: Annotated[Path, typer.Argument(help="Profile or height map: text, .npy or .sdf.")],
-    spacing: Annotated[
-        str | None,
-        typer.Option(
-            metavar="DX[,DY]", help="Step between points in --x-unit, where the file does not hold it."
-        ),
-    ] = None,
-    x_unit: Annotated[
-        str | None, typer.Option(help=f"{', '.join(UNITS)}; where the file does not state it.")
-    ] = None,
-    z_unit: Annotated[
-        str | None, typer.Option(help=f"{', '.join(UNITS)}; where the file does not state it.")
-    ] = None,
+    spacing: Spacing = None,
+    x_unit: Length = None,
+    z_unit: Length = None,
     lambda_s: Annotated[
         float | None, typer.Option(help="Cutoff wavelength in um below which structure is removed.")
     ] = None,
@@ -42,7 +39,7 @@ def roughness(
     """RMS roughness, RMS slope and alpha of a surface profile or height map."""
     found = gonio.roughness(
         surface,
-        spacing=None if spacing is None else _steps(spacing),
+        spacing=steps_of(spacing),
         x_unit=x_unit,
         z_unit=z_unit,
         lambda_s=lambda_s,
@@ -71,7 +68,10 @@ def roughness(
     out.print(f"  correlation length {lengths}")
 
 
-def _steps(text: str) -> tuple[float, float]:
+def steps_of(text: str | None) -> tuple[float, float] | None:
+    """The steps that `--spacing` gives."""
+    if text is None:
+        return None
     try:
         steps = [float(part) for part in text.split(",")]
     except ValueError:
