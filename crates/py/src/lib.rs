@@ -12,6 +12,7 @@ mod errors;
 mod files;
 mod fit;
 mod fit_data;
+mod instrument;
 mod model;
 mod model_files;
 mod plan;

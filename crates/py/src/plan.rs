@@ -9,7 +9,8 @@ use pyo3::types::{PyDict, PyList};
 use crate::arrays::angles;
 use crate::bsdf::Bsdf;
 use crate::errors::OrRaise;
-use crate::simulate::{add_parts, component, instrument};
+use crate::instrument::{add_parts, instrument};
+use crate::simulate::component;
 
 /// A planned path: `table` (theta_i, phi_i, theta_s, phi_s in degrees), `scans`, `readings`, `seconds`, `channels`. `gonio.plan` says what
 /// they hold. `watch` is called with the rounds that are done and may be; an exception of its ends the search.

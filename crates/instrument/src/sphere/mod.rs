@@ -5,6 +5,7 @@
 //! in the sphere meets that disk where it would meet the cap behind it, so ports take exactly the share of their caps.
 
 mod cone;
+mod fill;
 mod layout;
 mod plan;
 mod procedure;

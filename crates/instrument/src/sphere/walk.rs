@@ -5,14 +5,14 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use gonio_geom::{DVec3, Direction};
+use gonio_geom::DVec3;
 use gonio_trace::sampler::Sampler;
 
+use super::fill::{Fill, Filled};
 use super::layout::on_wall;
 use super::plan::{Arrangement, PortName};
-use super::reading::{Filling, Source, State};
-use super::single::Single;
-use super::{Port, Screen, Sphere};
+use super::reading::{Source, State};
+use super::{Screen, Sphere};
 use crate::InstrumentError;
 
 /// What the wall leaves of a path when it may end by chance, and at its end.
@@ -22,23 +22,6 @@ const NOTHING: f64 = 1e-9;
 const BOUNCES: (f64, f64) = (8.0, 1e5);
 /// A ray begins so far from the surface that it leaves.
 const OFF: f64 = 1e-12;
-
-/// What a port does to light.
-enum Fill {
-    Open,
-    Detector(f64),
-    Lambert(f64),
-    Model(Single),
-}
-
-/// A port with what fills it; axes of the sample's frame in the world.
-struct Filled<'a> {
-    port: &'a Port,
-    cos: f64,
-    middle: DVec3,
-    fill: Fill,
-    axes: [DVec3; 3],
-}
 
 /// A sphere in a state, to be walked through.
 pub(super) struct Walk<'a> {
@@ -105,15 +88,7 @@ impl<'a> Walk<'a> {
         let ports = sphere
             .ports
             .iter()
-            .map(|port| {
-                Ok(Filled {
-                    port,
-                    cos: port.half_angle.cos(),
-                    middle: port.middle(),
-                    fill: sphere.fill(port.name, state)?,
-                    axes: sphere.axes(port),
-                })
-            })
+            .map(|port| Filled::new(sphere, port, state))
             .collect::<Result<Vec<_>, _>>()?;
         let detector = ports
             .iter()
@@ -242,7 +217,18 @@ impl<'a> Walk<'a> {
                         }
                         (*reflectance, -filled.port.axis)
                     }
-                    Fill::Model(model) => return filled.scatter(model, ray, at, numbers),
+                    Fill::Model(model) => {
+                        let numbers = (numbers.two(), numbers.one());
+                        let Some((along, weight)) = filled.scatter(model, ray.from - ray.end, numbers) else {
+                            return false;
+                        };
+                        ray.from = at;
+                        ray.end = on_wall(at, along);
+                        ray.left *= weight;
+                        ray.looked = false;
+                        // Light that goes outward is lost.
+                        return along.dot(filled.port.axis) < 0.0;
+                    }
                 }
             }
         };
@@ -309,79 +295,6 @@ impl<'a> Walk<'a> {
             .screens
             .iter()
             .all(|s| crossing(s, from, way).is_none_or(|t| t >= 1.0))
-    }
-}
-
-impl Filled<'_> {
-    fn scatter(&self, model: &Single, ray: &mut Ray, at: DVec3, numbers: &mut Numbers) -> bool {
-        let back = ray.from - ray.end;
-        let local = self.axes.map(|a| back.dot(a));
-        let Some(wi) = Direction::new(DVec3::from_array(local)) else {
-            return false;
-        };
-        let [u, v] = numbers.two();
-        let Some((ws, weight)) = model.scatter(wi, [u, v, numbers.one()]) else {
-            return false;
-        };
-        let ws = ws.vec();
-        let along = ws.x * self.axes[0] + ws.y * self.axes[1] + ws.z * self.axes[2];
-        ray.from = at;
-        ray.end = on_wall(at, along);
-        ray.left *= weight;
-        ray.looked = false;
-        // Light that goes outward is lost.
-        along.dot(self.port.axis) < 0.0
-    }
-}
-
-impl Sphere {
-    fn fill(&self, name: PortName, state: &State) -> Result<Fill, InstrumentError> {
-        let given = match name {
-            PortName::Sample => &state.sample,
-            PortName::Comparison => &state.comparison,
-            PortName::Entrance | PortName::Auxiliary => return Ok(Fill::Open),
-            PortName::Trap => {
-                let residual = self.plan.trap.map_or(0.0, |t| t.residual);
-                let reflectance = if state.trap_open { residual } else { self.plan.plug };
-                return Ok(Fill::Lambert(reflectance));
-            }
-            PortName::Detector => return Ok(Fill::Detector(self.plan.detector.reflectance)),
-        };
-        Ok(match given {
-            Filling::Open => Fill::Open,
-            Filling::Plug => Fill::Lambert(self.plan.plug),
-            Filling::Lambert(reflectance) => Fill::Lambert(*reflectance),
-            Filling::Model { model, channel } => {
-                let single = Single::new(model.clone(), *channel).ok_or_else(|| InstrumentError::Domain {
-                    field: "channel",
-                    found: channel.to_string(),
-                    allowed: format!("below {}", model.channels().len()),
-                })?;
-                Fill::Model(single)
-            }
-        })
-    }
-
-    /// Axes of the frame of a sample in a port: its front is turned inward, in transmission that in the sample's port
-    /// outward; at the sample's port the beam arrives at azimuth `phi_i`.
-    pub(super) fn axes(&self, port: &Port) -> [DVec3; 3] {
-        let z = match (self.plan.arrangement, port.name) {
-            (Arrangement::Transmission, PortName::Sample) => port.axis,
-            _ => -port.axis,
-        };
-        let x = if z.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
-        let x = (x - x.dot(z) * z).normalize();
-        let across = z.cross(x);
-        let (sin, cos) = self.plan.phi_i.sin_cos();
-        [cos * x - sin * across, sin * x + cos * across, z]
-    }
-
-    /// A point of the spot: at a share of the beam's radius and an angle in its cross-section.
-    pub(super) fn spot_point(&self, share: f64, angle: f64) -> DVec3 {
-        let r = share * self.plan.beam_radius / self.plan.radius;
-        // The spot is longer in the plane of incidence.
-        let stretched = angle.cos() / self.plan.theta_i.cos();
-        self.sample_middle() + r * DVec3::new(stretched, angle.sin(), 0.0)
     }
 }
 
