@@ -670,7 +670,21 @@ class Device:
         bounces: int,
         seed: int,
         watch: RenderWatch,
-    ) -> tuple[Klems, dict[tuple[str, str], tuple[NDArray[np.float64], NDArray[np.float64]]]]: ...
+    ) -> tuple[Klems, Klems, dict[tuple[str, str], tuple[NDArray[np.float64], NDArray[np.float64]]]]: ...
+    def trees(
+        self,
+        *,
+        rank: int,
+        levels: int,
+        rays: int,
+        front: bool,
+        back: bool,
+        bounces: int,
+        seed: int,
+        tolerance: float,
+        max_cells: int,
+        watch: RenderWatch,
+    ) -> tuple[TensorTree, TensorTree, dict[tuple[str, str], tuple[float, float, float]]]: ...
 
 def read_device(
     paths: Sequence[PathLike[str]],

@@ -124,10 +124,22 @@ def test_the_bsdf_of_geometry_is_written_as_xml(run, tmp_path):
     assert model.albedo(side="front", component="reflection").mean() == pytest.approx(0.4, rel=0.05)
 
 
+def test_the_bsdf_of_geometry_is_written_as_a_tensor_tree(run, tmp_path):
+    (tmp_path / "plate.rad").write_text(PLATE)
+    options = ["--geometry", "plate.rad", "--periodic", "--basis", "ttree4", "--levels", "3", "--rays", "256"]
+    done = run("simulate", *options, "-o", "plate.xml")
+    assert done.code == 0, done.err
+    assert "cells in all" in done.out
+    assert "front reflection: albedo 0.4" in done.out or "front reflection: albedo 0.39" in done.out
+    assert "TensorTree4" in (tmp_path / "plate.xml").read_text()
+    assert gonio.read_bsdf(tmp_path / "plate.xml").rank == 4
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
         (["--window", "0,0,3,3"], "window: found 0 0 3 3"),
+        (["--basis", "ttree4", "--levels", "9"], "levels: found 9"),
         (["--window", "here"], "--window"),
         (["--basis", "third"], "basis: found third"),
     ],

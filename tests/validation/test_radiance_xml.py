@@ -1,5 +1,8 @@
 """The XML gonio reads and writes means to RADIANCE what it means to gonio."""
 
+from pathlib import Path
+
+import gonio
 import numpy as np
 import pytest
 from gonio import _native
@@ -142,3 +145,15 @@ def test_rpict_shows_the_model(radiance, tmp_path, kind):
     assert np.all(got <= 1.02 * f.max(axis=(2, 3))), (got / f.max(axis=(2, 3))).max()
     assert got.max() > 4 * np.median(got) / (2 if kind == "klems" else 1)
     np.testing.assert_allclose(got.sum(), f.mean(axis=(2, 3)).sum(), rtol=0.03)
+
+
+def test_trees_of_geometry_mean_the_same(radiance, tmp_path):
+    slats = Path(__file__).parents[2] / "examples" / "geometry" / "slats.rad"
+    found = gonio.simulate_geometry(
+        slats, window=(0, 0, 0.01, 0.01), periodic=True, basis="ttree4", levels=4, rays=64
+    )
+    path = tmp_path / "slats.xml"
+    found.write(path, name="slats")
+    error, values = differences(radiance, path, found.model)
+    assert len(values) > 2000
+    assert np.quantile(error, 0.998) < PERTURBATION

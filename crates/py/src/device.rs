@@ -4,8 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gonio_bsdf::klems::{Klems, KlemsBasis, KlemsMatrix};
+use gonio_bsdf::tensor_tree::{Rank, TensorTree, Tree};
 use gonio_bsdf::{Channel, FourComponents};
-use gonio_instrument::device::{self, Effort, Extent, PatchTable, patch_tables};
+use gonio_instrument::device::{
+    self, Effort, Extent, PatchTable, PruneOptions, Pruned, patch_tables, tensor_trees,
+};
 use gonio_io::radiance_xml::Tabulated;
 use gonio_trace::path::Limits;
 use numpy::{PyArray1, PyArrayMethods};
@@ -13,7 +16,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors::OrRaise;
+use crate::errors::{OrRaise, domain};
 use crate::radiance::wrap;
 use crate::render::RenderWatch;
 use crate::scene::load;
@@ -50,7 +53,7 @@ impl Device {
         [x0, y0, x1, y1]
     }
 
-    /// A Klems model of the luminance, and by side of incidence and component the means of red, green and blue and the
+    /// Klems models of the luminance and of its standard errors, and by side of incidence and component the means of red, green and blue and the
     /// standard errors, `[exit][incident]`.
     #[pyo3(signature = (*, basis, rays, front, back, bounces, seed, watch))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
@@ -64,17 +67,9 @@ impl Device {
         bounces: u32,
         seed: u64,
         watch: &RenderWatch,
-    ) -> PyResult<(Py<PyAny>, Py<PyDict>)> {
+    ) -> PyResult<(Py<PyAny>, Py<PyAny>, Py<PyDict>)> {
         let basis = KlemsBasis::by_name(basis).or_raise()?;
-        let effort = Effort {
-            rays,
-            sides: [front, back],
-            limits: Limits {
-                bounces,
-                ..Limits::default()
-            },
-            seed,
-        };
+        let effort = effort(rays, [front, back], bounces, seed);
         let tables = py.detach(|| {
             let report = |done: f64| watch.hear_of(done);
             patch_tables(&self.0, &basis, &effort, watch.stop_flag(), &report)
@@ -88,23 +83,92 @@ impl Device {
             let pair = (values.reshape([n, n, 3])?, errors.reshape([n, n])?);
             arrays.set_item((side.to_string(), component.to_string()), pair)?;
         }
-        let model = klems(&basis, &tables).or_raise()?;
-        let model = wrap(
-            py,
-            Tabulated::Klems(model),
-            PyDict::new(py).unbind(),
-            PyDict::new(py).unbind(),
-        )?;
-        Ok((model, arrays.unbind()))
+        let model = klems(&basis, &tables, PatchTable::luminance).or_raise()?;
+        let errors = klems(&basis, &tables, |table, k| table.errors[k]).or_raise()?;
+        let alone = |model| without_report(py, Tabulated::Klems(model));
+        Ok((alone(model)?, alone(errors)?, arrays.unbind()))
+    }
+
+    /// Tensor trees of the luminance and of its standard errors, and by side of incidence and component the mean BSDF, the root
+    /// mean square of the deviations from the truth, and the share that merging beyond errors changes.
+    #[pyo3(signature = (*, rank, levels, rays, front, back, bounces, seed, tolerance, max_cells, watch))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn trees(
+        &self,
+        py: Python<'_>,
+        rank: u8,
+        levels: u8,
+        rays: u32,
+        front: bool,
+        back: bool,
+        bounces: u32,
+        seed: u64,
+        tolerance: f64,
+        max_cells: usize,
+        watch: &RenderWatch,
+    ) -> PyResult<(Py<PyAny>, Py<PyAny>, Py<PyDict>)> {
+        let rank = match rank {
+            3 => Rank::Three,
+            4 => Rank::Four,
+            _ => return Err(domain("rank", rank.to_string(), "3, 4")),
+        };
+        let effort = effort(rays, [front, back], bounces, seed);
+        let options = PruneOptions { tolerance, max_cells };
+        let found = py.detach(|| {
+            let report = |done: f64| watch.hear_of(done);
+            tensor_trees(
+                &self.0,
+                (rank, levels),
+                &effort,
+                &options,
+                watch.stop_flag(),
+                &report,
+            )
+        });
+        let found = found
+            .or_raise()?
+            .ok_or_else(|| PyKeyboardInterrupt::new_err("stopped"))?;
+        let stated = PyDict::new(py);
+        for (side, component, tree) in found.iter() {
+            let row = (tree.mean, tree.deviation, tree.merged);
+            stated.set_item((side.to_string(), component.to_string()), row)?;
+        }
+        let alone = |tree: fn(&Pruned) -> &Tree| {
+            let trees = found.map(|_, _, pruned| tree(pruned).clone());
+            without_report(
+                py,
+                Tabulated::TensorTree(TensorTree::new(Channel::Photopic, trees)),
+            )
+        };
+        Ok((alone(|p| &p.tree)?, alone(|p| &p.errors)?, stated.unbind()))
     }
 }
 
-fn klems(basis: &KlemsBasis, tables: &FourComponents<PatchTable>) -> Result<Klems, gonio_bsdf::BsdfError> {
+fn effort(rays: u32, sides: [bool; 2], bounces: u32, seed: u64) -> Effort {
+    Effort {
+        rays,
+        sides,
+        limits: Limits {
+            bounces,
+            ..Limits::default()
+        },
+        seed,
+    }
+}
+
+fn without_report(py: Python<'_>, model: Tabulated) -> PyResult<Py<PyAny>> {
+    wrap(py, model, PyDict::new(py).unbind(), PyDict::new(py).unbind())
+}
+
+/// A model of what `value` says of each pair of patches.
+fn klems(
+    basis: &KlemsBasis,
+    tables: &FourComponents<PatchTable>,
+    value: impl Fn(&PatchTable, usize) -> f64,
+) -> Result<Klems, gonio_bsdf::BsdfError> {
     let mut matrices = FourComponents::default();
     for (side, component, table) in tables.iter() {
-        let values = (0..table.values.len())
-            .map(|k| table.luminance(k) as f32)
-            .collect();
+        let values = (0..table.values.len()).map(|k| value(table, k) as f32).collect();
         let matrix = KlemsMatrix::new(basis.clone(), basis.clone(), values)?;
         matrices.set(side, component, Some(matrix));
     }

@@ -27,7 +27,17 @@ Periodic = Annotated[
     bool, typer.Option("--periodic", help="The window is one period of geometry that goes on beyond it.")
 ]
 Unit = Annotated[float, typer.Option(help="Metres of a unit of the geometry that is read.")]
-Basis = Annotated[str, typer.Option(help="Patches of the geometry's BSDF: full, half, quarter.")]
+Basis = Annotated[
+    str,
+    typer.Option(
+        help="Of the geometry's BSDF: Klems patches full, half, quarter; "
+        "tensor trees ttree4, ttree3 (isotropic)."
+    ),
+]
+Levels = Annotated[int, typer.Option(help="Finest cells of a tensor tree have the side 2^-LEVELS, 2 to 6.")]
+Tolerance = Annotated[
+    float, typer.Option(help="Relative L1 that merging cells of a tensor tree beyond their errors may add.")
+]
 Error = Annotated[float, typer.Option(help="Relative error of the geometry's BSDF.")]
 Rays = Annotated[
     int | None, typer.Option(help="Rays through the geometry from each patch, in place of --error.")
@@ -41,6 +51,8 @@ def simulate_geometry(
     window: str | None,
     periodic: bool,
     basis: str,
+    levels: int,
+    tolerance: float,
     error: float,
     rays: int | None,
     seed: int,
@@ -53,6 +65,8 @@ def simulate_geometry(
             window=None if window is None else _numbers(window),
             periodic=periodic,
             basis=basis,
+            levels=levels,
+            tolerance=tolerance,
             error=error,
             rays=rays,
             seed=seed,
@@ -62,14 +76,17 @@ def simulate_geometry(
     for text in found.warnings:
         warn(text)
     albedo = {
-        key: float(found.model.albedo(side=key[0], component=key[1])[0]) for key in found.relative_error
+        (side, component): found.albedo(side=side, component=component)
+        for side, component in found.relative_error
     }
+    cells = found.cells
     if json:
         print_json(
             {
                 "out": to,
                 "rays": found.rays,
                 "basis": found.basis,
+                "cells": cells,
                 "window": found.window,
                 "relative_error": {" ".join(key): value for key, value in found.relative_error.items()},
                 "albedo_normal": {" ".join(key): value for key, value in albedo.items()},
@@ -77,11 +94,12 @@ def simulate_geometry(
             }
         )
         return
-    out.print(f"{to}: {found.rays} rays from each of the {found.basis} basis' patches")
+    of = "patches" if cells is None else f"incident cells, {cells} cells in all"
+    out.print(f"{to}: {found.rays} rays from each of the {found.basis} basis' {of}")
     for (side, component), value in found.relative_error.items():
         out.print(
             f"  {side} {component}: albedo {albedo[side, component]:.4f} at normal incidence,"
-            f" error of a pair of patches {100 * value:.1f} %"
+            f" error of a pair of {'patches' if cells is None else 'cells'} {100 * value:.1f} %"
         )
 
 

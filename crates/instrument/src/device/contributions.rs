@@ -170,7 +170,7 @@ impl PartSignal<'_> {
             device, effort, seed, ..
         } = self.part;
         let detector = &self.instrument.detector;
-        let seed = super::patches::seed(*seed, set as u32);
+        let seed = super::rows::seed(*seed, set as u32);
         let mut numbers = Sampler::new(seed, u32::MAX - 1, j as u32);
         let shift: [f32; 5] = std::array::from_fn(|_| numbers.one());
         let ws = ways.ws[j];

@@ -5,11 +5,17 @@ mod beamlet;
 mod contributions;
 mod part;
 mod patches;
+mod prune;
 mod readings;
+mod rows;
+mod squares;
 mod sums;
 
-pub use patches::{Effort, PatchTable, Progress, patch_tables};
+pub use patches::{PatchTable, patch_tables};
+pub use prune::{PruneOptions, Pruned};
 pub use readings::{CHANNELS, Measured, MonteCarlo, ReadingEffort, simulate_device};
+pub use rows::{Effort, Progress};
+pub use squares::{LEVELS, tensor_trees};
 
 use glam::Vec3;
 use gonio_trace::passage::Cell;

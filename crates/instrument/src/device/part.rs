@@ -59,7 +59,7 @@ impl PartSignal<'_> {
             holder,
             ..
         } = self.instrument;
-        let seed = super::patches::seed(self.part.seed, set as u32);
+        let seed = super::rows::seed(self.part.seed, set as u32);
         let mut numbers = Sampler::new(seed, u32::MAX, u32::MAX);
         let shift: [f32; 8] = std::array::from_fn(|_| numbers.one());
         let mut lit = Vec::new();

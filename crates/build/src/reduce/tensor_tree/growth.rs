@@ -284,7 +284,7 @@ impl<'a> Growth<'a> {
 
     /// The average as it is kept.
     fn value(&self, c: &Cell) -> f32 {
-        rounded(c.mean + c.ideal, f64::from(c.error) / self.volume(c.depth))
+        Tree::rounded(c.mean + c.ideal, f64::from(c.error) / self.volume(c.depth))
     }
 
     /// Characters of the value of a cell in a file, with the space before it.
@@ -323,25 +323,4 @@ impl<'a> Growth<'a> {
         }
         b.end()
     }
-}
-
-/// `v` with so many significant digits, two to five, that rounding takes less than a twentieth of `spread`.
-fn rounded(v: f32, spread: f64) -> f32 {
-    if v == 0.0 {
-        return 0.0;
-    }
-    let v = f64::from(v);
-    let leading = v.abs().log10().floor();
-    let least = if spread > 0.0 {
-        (0.1 * spread).log10().floor()
-    } else {
-        f64::NEG_INFINITY
-    };
-    let digits = (leading - least).clamp(1.0, 4.0) as i32 - leading as i32;
-    let scale = 10f64.powi(digits.abs());
-    (if digits >= 0 {
-        (v * scale).round() / scale
-    } else {
-        (v / scale).round() * scale
-    }) as f32
 }
