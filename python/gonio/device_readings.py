@@ -30,7 +30,7 @@ INCIDENCES = ((8.0, 0.0), (30.0, 0.0), (60.0, 0.0))
 class MonteCarlo:
     """How well the readings of one path over the sample are known.
 
-    `joined` rays had their scatterings joined with every reading, `met` were looked for in the apertures;
+    `joined` scatterings were joined with the readings, `met` rays were looked for in the apertures;
     `median` and `worst` are standard errors over the noise of the reading, `above` the share of readings
     where that is more than asked for.
     """
@@ -86,9 +86,9 @@ def simulate_readings(
 
     The files are those of `gonio.simulate`, processed like a recording. The middle of the window lies on the
     axis of the beam, the plane z = 0 of the geometry on the axes of the holder. Rays go from the lit spot
-    through the part; what is scattered is joined with every aperture, what is mirrored, refracted or goes
-    straight is found from the beam and from the apertures. Rays are added until the Monte-Carlo part of a
-    reading is below a share of its noise.
+    through the part; of where they are scattered, some that stand for all are joined with every aperture.
+    What is mirrored, refracted or goes straight is found from the beam and from the apertures. Rays are added
+    until the Monte-Carlo part of a reading is below a share of its noise.
 
     Parameters
     ----------
@@ -107,7 +107,9 @@ def simulate_readings(
     share
         Largest standard error of a reading over its noise, above 0, at most 1.
     joined, met
-        Rays of an incidence at most: those joined with the readings, those looked for in the apertures.
+        At most for an incidence: scatterings joined with the readings, which stand for those of 64 times as
+        many rays (1 to 2**24), and rays looked for in the apertures (1 to 2**30). What they do not reach is
+        in `GeometryCampaign.monte_carlo`.
 
     Returns
     -------
@@ -123,9 +125,9 @@ def simulate_readings(
     """
     if not 0 <= seed < 2**64:
         raise DomainError(f"seed: found {seed}, allowed 0 to 2**64 - 1")
-    for name, rays in (("joined", joined), ("met", met)):
-        if not 1 <= rays < 2**31:
-            raise DomainError(f"{name}: found {rays}, allowed 1 to 2**31 - 1")
+    for name, rays, most in (("joined", joined, 24), ("met", met, 30)):
+        if not 1 <= rays <= 2**most:
+            raise DomainError(f"{name}: found {rays}, allowed 1 to 2**{most}")
     part, warnings = open_device(files, window=window, periodic=periodic, search=search)
     angles = [(float(theta), float(phi)) for theta, phi in incidences]
     device, numbers, parts = set_up(instrument, settings or {}, CHANNELS)

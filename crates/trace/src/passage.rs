@@ -53,6 +53,27 @@ impl Scattering {
     pub fn point(&self) -> Vec3 {
         self.met.point
     }
+
+    /// Unit normal of the surface there, on the side that the light came to.
+    pub fn normal(&self) -> Vec3 {
+        let n = self.met.normal;
+        if n.dot(self.to_source) < 0.0 { -n } else { n }
+    }
+
+    /// Unit, where the light came from.
+    pub fn to_source(&self) -> Vec3 {
+        self.to_source
+    }
+
+    /// What is left of the ray, red, green and blue.
+    pub fn weight(&self) -> Vec3 {
+        self.weight
+    }
+
+    /// The same with another weight.
+    pub fn weighing(self, weight: Vec3) -> Self {
+        Scattering { weight, ..self }
+    }
 }
 
 /// A cell in which scatterings are heard of, and end what is only ideal.

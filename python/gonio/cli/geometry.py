@@ -42,6 +42,9 @@ Error = Annotated[float, typer.Option(help="Relative error of the geometry's BSD
 Rays = Annotated[
     int | None, typer.Option(help="Rays through the geometry from each patch, in place of --error.")
 ]
+Joined = Annotated[
+    int, typer.Option(help="Scatterings of an incidence joined with the readings of geometry, at most.")
+]
 
 
 def simulate_geometry(
@@ -113,6 +116,7 @@ def simulate_readings(
     seed: int,
     incidences: list[tuple[float, float]] | None,
     components: list[Literal["reflection", "transmission"]] | None,
+    joined: int,
     instrument: str | None,
     settings: dict[str, float],
     force: bool,
@@ -129,6 +133,7 @@ def simulate_readings(
             seed=seed,
             incidences=INCIDENCES if incidences is None else incidences,
             components=["reflection"] if components is None else components,
+            joined=joined,
             instrument=instrument,
             settings=settings,
             force=force,
@@ -154,8 +159,8 @@ def simulate_readings(
     out.print(f"{found.out}: {found.readings} readings of {found.name}")
     for k in found.monte_carlo:
         out.print(
-            f"  {k.joined} rays joined, {k.met} met: Monte-Carlo part {k.median:.2f} of the noise (median),"
-            f" {k.worst:.2f} at most"
+            f"  {k.joined} scatterings joined, {k.met} rays met:"
+            f" Monte-Carlo part {k.median:.2f} of the noise (median), {k.worst:.2f} at most"
         )
     for path in (*found.sample, *found.beam, *found.dark):
         out.print(f"  {path}")

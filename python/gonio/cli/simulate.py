@@ -13,6 +13,7 @@ from gonio.cli.geometry import (
     Basis,
     Error,
     Geometry,
+    Joined,
     Levels,
     Periodic,
     Rays,
@@ -87,6 +88,7 @@ def simulate(
     tolerance: Tolerance = 0.01,
     error: Error = 0.05,
     rays: Rays = None,
+    joined: Joined = 2**14,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -129,6 +131,7 @@ def simulate(
             seed=seed,
             incidences=[incidence_of(text) for text in incidence] if incidence else None,
             components=[COMPONENTS[c] for c in component] if component else None,
+            joined=joined,
             instrument=described[0] if described else None,
             settings=settings,
             force=force,

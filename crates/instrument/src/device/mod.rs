@@ -8,6 +8,7 @@ mod patches;
 mod prune;
 mod readings;
 mod rows;
+mod scatterings;
 mod squares;
 mod sums;
 

@@ -129,27 +129,4 @@ impl PartSignal<'_> {
     pub(super) fn passes(&self, at: DVec3, direction: DVec3) -> DVec3 {
         at + (self.surface.z - at.z) / direction.z * direction
     }
-
-    /// Rays `range` of a set, as far as they are scattered.
-    pub(super) fn sources(&self, set: usize, range: std::ops::Range<u32>) -> Vec<Source> {
-        let (lit, rays) = self.rays(set, range);
-        let Part { device, effort, .. } = self.part;
-        let mut found = Vec::new();
-        device.scene.pass_heard(
-            &device.cell,
-            &rays,
-            &effort.limits,
-            &mut Vec::new(),
-            &mut |scattering: Scattering| {
-                let lit = lit[scattering.ray as usize];
-                let from = self.place(scattering.point(), lit.x);
-                found.push(Source {
-                    scattering,
-                    lit,
-                    from,
-                });
-            },
-        );
-        found
-    }
 }

@@ -33,7 +33,8 @@ pub struct ReadingEffort {
     pub unit: f64,
     /// Rays are added until the standard error of every reading is below this share of its noise, `(0, 1]`.
     pub share: f64,
-    /// Rays of one incidence whose scatterings are joined with the readings, at most.
+    /// Scatterings of one incidence that are joined with the readings, at most; they stand for those of 64 times as many rays. No more
+    /// than 2^24 are.
     pub joined: u32,
     /// Rays of one incidence that are looked for in apertures, at most.
     pub met: u32,
@@ -163,6 +164,8 @@ impl Specimen for Part<'_> {
 
 /// Rays of each set at first.
 const FIRST: u32 = 16;
+/// Joined, of all sets: the rays behind them are counted in 32 bits.
+const MOST_JOINED: u32 = 1 << 24;
 /// Rays of each set that are looked for in apertures at first.
 const FIRST_MET: u32 = 1024;
 impl Signal for PartSignal<'_> {
@@ -173,7 +176,7 @@ impl Signal for PartSignal<'_> {
         let apertures = Apertures::new(detector, ws, travel);
         let sets = REPLICATES as u32;
         let most = [
-            effort.joined.div_ceil(sets).max(FIRST),
+            effort.joined.min(MOST_JOINED).div_ceil(sets).max(FIRST),
             effort.met.div_ceil(sets).next_multiple_of(FORWARD).max(FIRST_MET),
         ];
         let power = self.instrument.beam.power;
