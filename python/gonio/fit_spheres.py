@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ from gonio import _native
 from gonio._native import DomainError, FormatError
 from gonio.files import check_file, replacing_file
 from gonio.fit_results import Fit, fit_of
-from gonio.instrument_keys import Key, Number, Section, Word
+from gonio.instrument_keys import Key, Number, Section, Word, parse_toml
 from gonio.provenance import input_file, provenance
 from gonio.readings import PathLike
 from gonio.working import interruptible
@@ -165,10 +164,8 @@ def read_sphere_readings(path: PathLike) -> SphereReadings:
         The file cannot be read.
     """
     source = str(path)
-    try:
-        raw = tomllib.loads(Path(path).read_bytes().decode("utf-8", errors="replace"))
-    except tomllib.TOMLDecodeError as error:
-        raise FormatError(f"{source}: {error}") from None
+    text = Path(path).read_bytes().decode("utf-8", errors="replace")
+    raw = parse_toml(text, source=source, kind=FORMAT)
 
     def section(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
         for key in given:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import dataclass
 from typing import Any
+
+from gonio._native import FormatError
 
 
 @dataclass(frozen=True)
@@ -152,3 +155,21 @@ class Section(Key):
 
 def _number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def parse_toml(text: str, *, source: str, kind: str) -> dict[str, Any]:
+    """Parse TOML whose `format` is `kind`; a file of another kind is refused as such.
+
+    Raises
+    ------
+    FormatError
+        Not TOML, another format; the message names `source`.
+    """
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise FormatError(f"{source}: {error}") from None
+    found = raw.get("format", kind)
+    if found != kind:
+        raise FormatError(f"{source}: format: found {found!r}, allowed {kind!r}: it is another kind of file")
+    return raw

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
@@ -12,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from gonio._native import DomainError, FormatError
+from gonio.instrument_keys import parse_toml
 from gonio.instrument_optics import lens
-from gonio.instrument_sections import PATCH, SECTIONS
+from gonio.instrument_sections import FORMAT, PATCH, SECTIONS
 from gonio.instrument_spectra import Channel, Lamp, channel, lamp
 from gonio.instrument_tables import incidence_rows, pair_rows
 from gonio.readings import PathLike
@@ -111,10 +111,7 @@ def parse_instrument(text: str, *, source: str, directory: Path | None = None) -
     FormatError
         As `read_instrument`.
     """
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise FormatError(f"{source}: {error}") from None
+    raw = parse_toml(text, source=source, kind=FORMAT)
     return _Reader(source, directory or Path()).instrument(raw)
 
 

@@ -259,8 +259,13 @@ def sample_model(sample: Sample, *, channel: str | None = None) -> Bsdf:
         return sample.bsdf
     if isinstance(sample, Measurement):
         return build(sample, channel=channel)
-    if not Path(sample).exists() and str(sample) in MATERIALS:
-        return MATERIALS[str(sample)]().bsdf
+    if not Path(sample).exists():
+        if str(sample) in MATERIALS:
+            return MATERIALS[str(sample)]().bsdf
+        raise DomainError(
+            f"sample: found {str(sample)!r}, which is no file; allowed a file or directory of a model, or "
+            f"{', '.join(MATERIALS)}"
+        )
     return shown_model(sample, channel=channel)
 
 

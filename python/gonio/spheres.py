@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -11,7 +10,7 @@ from typing import Any
 
 from gonio import _native
 from gonio._native import DomainError, FormatError, IntegratingSphere
-from gonio.instrument_keys import Key, Number, Section, Word
+from gonio.instrument_keys import Key, Number, Section, Word, parse_toml
 from gonio.readings import PathLike
 
 FORMAT = "gonio-sphere 1"
@@ -164,10 +163,7 @@ def parse_sphere(text: str, *, source: str) -> Sphere:
     FormatError
         As `read_sphere`.
     """
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise FormatError(f"{source}: {error}") from None
+    raw = parse_toml(text, source=source, kind=FORMAT)
     found = _Reader(source).sphere(raw)
     try:
         found.native()

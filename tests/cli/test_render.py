@@ -87,6 +87,10 @@ def test_a_scene_without_light_is_said_to_be_dark(run, tmp_path):
     done = run("render", "dark.rad", "--sensors", "points.txt")
     assert done.code == 0
     assert "no light" in done.err
+    (tmp_path / "night.rad").write_text(
+        "!gendaylit 6 21 0 -W 0 0\nskyfunc glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n"
+    )
+    assert "no light" in run("render", "night.rad", "dark.rad", "--sensors", "points.txt").err
     scene_of(tmp_path)
     assert "no light" not in run("render", "room.rad", "--sensors", "points.txt", "--bounces", 1).err
 

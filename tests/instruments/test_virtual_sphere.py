@@ -9,6 +9,7 @@ import re
 import gonio
 import numpy as np
 import pytest
+from gonio.instruments import read_instrument
 from gonio import _native
 from gonio.fit_outputs import save_fit
 from gonio.spheres import parse_sphere, read_sphere, spheres
@@ -230,3 +231,16 @@ def test_a_sphere_and_a_surface_profile_give_radiances_plastic(tmp_path):
     assert "material.rad" in saved.files
     assert "plastic" in text
     assert "sphere" in (tmp_path / "fit" / "fit.json").read_text()
+
+
+def test_a_file_of_another_kind_is_refused_as_such(tmp_path):
+    path = tmp_path / "other.toml"
+    path.write_text('format = "gonio-instrument 1"\nname = "bench"\n')
+    for read in (gonio.read_sphere, gonio.read_sphere_readings):
+        with pytest.raises(gonio.FormatError, match="found 'gonio-instrument 1', allowed 'gonio-sphere"):
+            read(path)
+    path.write_text('format = "gonio-sphere 1"\n')
+    with pytest.raises(gonio.FormatError, match="found 'gonio-sphere 1', allowed 'gonio-instrument 1'"):
+        read_instrument(path)
+    with pytest.raises(gonio.DomainError, match="'plastik', which is no file"):
+        gonio.sphere("plastik")

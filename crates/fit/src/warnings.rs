@@ -12,6 +12,8 @@ use crate::{Kind, Metric};
 const MISSING: f64 = 0.2;
 /// Correlation from which two parameters say the same.
 const CORRELATED: f64 = 0.9;
+/// Share of the uncertainty from which what channels have in common makes it.
+const OF_COMMON: f64 = 0.7;
 /// Width from which a lobe cannot be told well from the diffuse part (the correlation of their amplitudes passes -0.6).
 const BROAD: f64 = 0.4;
 /// Amplitudes below this many standard uncertainties are no evidence of a lobe.
@@ -258,7 +260,9 @@ fn estimates(fit: &Fit, data: &FitData, setting: &Setting<'_>, warn: &mut impl F
     for a in 0..n {
         for b in a + 1..n {
             let r = fit.correlation[a * n + b];
-            if r.abs() > CORRELATED {
+            // What beam power and calibration have in common is no choice between parameters.
+            let shared = |k: usize| fit.estimates[k].u_common > OF_COMMON * fit.estimates[k].u;
+            if r.abs() > CORRELATED && !(shared(a) && shared(b)) {
                 warn(
                     "correlated",
                     format!(

@@ -86,13 +86,32 @@ fn read_scene(
 ) -> PyResult<(Scene, Vec<String>)> {
     py.detach(|| {
         let (loaded, mut warnings) = load(&paths, search, model)?;
-        if loaded.parts.lights.is_empty() && loaded.parts.sky.is_none() {
-            warnings.push("the scene has no light: surfaces are black where they do not emit".to_owned());
+        if is_dark(&loaded.parts) {
+            warnings.push(
+                "the scene has no light: surfaces are black where they do not emit (a sky at night is black as well)"
+                    .to_owned(),
+            );
         }
         let view = loaded.view.map(|v| v.to_string());
         let scene = scene::Scene::new(loaded.parts).or_raise()?;
         Ok((Scene::new(scene, view), warnings))
     })
+}
+
+/// Whether nothing lights a scene: no lamp that emits, and no sky but a black one.
+fn is_dark(parts: &scene::Parts) -> bool {
+    const DIRECTIONS: u32 = 1000;
+    let golden = std::f32::consts::PI * (3.0 - 5.0_f32.sqrt());
+    let direction = |k: u32| {
+        let z = 1.0 - (2 * k + 1) as f32 / DIRECTIONS as f32;
+        let (sin, cos) = (golden * k as f32).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        Vec3::new(r * cos, r * sin, z)
+    };
+    let shines = |sky: &gonio_trace::light::Sky| {
+        (0..DIRECTIONS).any(|k| sky.radiance(direction(k)).max_element() > 0.0)
+    };
+    !parts.lights.iter().any(|l| l.radiance().max_element() > 0.0) && !parts.sky.as_ref().is_some_and(shines)
 }
 
 /// What files of scenes hold, and the warnings about it; without the interpreter.

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
@@ -55,7 +56,8 @@ def render(
         str | None, typer.Option(metavar="PIXELS|WxH", help="Largest width and height. Without it 512.")
     ] = None,
     samples: Annotated[
-        int | None, typer.Option(help="Paths a pixel or sensor, at most. Without it 256; sensors 65536.")
+        int | None,
+        typer.Option(help="Paths a pixel or sensor, at most, in eights. Without it 256; sensors 65536."),
     ] = None,
     relative_error: Annotated[
         float | None,
@@ -159,6 +161,16 @@ def render(
             resume=resume,
             progress=progress,
         )
+    wanted = 0.01 if relative_error is None else relative_error
+    above = found.standard_error > wanted * np.maximum(found.illuminance, 0.01 * found.illuminance.mean())
+    if above.any():
+        warnings = [
+            *warnings,
+            f"{above.sum()} of {len(rows)} sensors took all samples and are above the relative error of "
+            f"{wanted:g}: raise --samples",
+        ]
+        if not json:
+            warn(warnings[-1:])
     _tell_sensors(found, to, lux=lux, json=json, warnings=warnings)
 
 

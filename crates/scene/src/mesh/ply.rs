@@ -1,5 +1,6 @@
 //! PLY: corners `x y z`, with normals `nx ny nz`, and faces `vertex_index` or `vertex_indices`.
 
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -77,7 +78,8 @@ impl PropertyAccess for Face {
 
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, IoError> {
     let wrong = |e: &dyn std::fmt::Display| fault(path, "PLY", e.to_string(), "a PLY file");
-    let mut reader = Reader::new(Cursor::new(bytes));
+    let plain = with_leading_zeros(bytes);
+    let mut reader = Reader::new(Cursor::new(&*plain));
     let corners = Parser::<Corner>::new();
     let header = corners.read_header(&mut reader).map_err(|e| wrong(&e))?;
     let mut mesh = Mesh::default();
@@ -112,4 +114,24 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, IoError> {
         }
     }
     Ok(mesh)
+}
+
+/// The text of an ASCII file, numbers such as `.5` written `0.5`, which the parser takes; other files as they are.
+fn with_leading_zeros(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let ascii = bytes[..bytes.len().min(256)]
+        .windows(12)
+        .any(|w| w == b"format ascii");
+    if !ascii {
+        return Cow::Borrowed(bytes);
+    }
+    let mut out = Vec::with_capacity(bytes.len() + bytes.len() / 8);
+    let mut before = b' ';
+    for &b in bytes {
+        if b == b'.' && (before.is_ascii_whitespace() || before == b'-') {
+            out.push(b'0');
+        }
+        out.push(b);
+        before = b;
+    }
+    Cow::Owned(out)
 }

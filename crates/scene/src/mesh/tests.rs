@@ -105,6 +105,16 @@ fn materials_and_normals_of_obj_and_normals_of_ply_are_kept() {
 }
 
 #[test]
+fn numbers_of_a_ply_may_begin_with_the_point() {
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+               element face 1\nproperty list uchar int vertex_index\nend_header\n\
+               .5 -.25 0\n1.5 0 0\n0 1 -.125\n3 0 1 2\n";
+    let mesh = read_as("a.ply", ply.as_bytes()).unwrap();
+    assert_eq!(mesh.points[0].to_array(), [0.5, -0.25, 0.0]);
+    assert_eq!(mesh.points[2].to_array(), [0.0, 1.0, -0.125]);
+}
+
+#[test]
 fn faults_of_an_obj_name_its_line() {
     for (text, line) in [
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 4\n", 5),
