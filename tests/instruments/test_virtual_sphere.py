@@ -9,9 +9,9 @@ import re
 import gonio
 import numpy as np
 import pytest
-from gonio.instruments import read_instrument
 from gonio import _native
 from gonio.fit_outputs import save_fit
+from gonio.instruments import read_instrument
 from gonio.spheres import parse_sphere, read_sphere, spheres
 
 from tests.instruments.surfaces import gaussian_profile
