@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -104,12 +105,18 @@ def _precise(measure: Callable[[float], Quantities], effort: float) -> Quantitie
     """What is measured, again with more samples while a standard error is above `LARGEST_ERROR`."""
     found = measure(effort)
     for _ in range(3):
-        worst = max(error / value for value, error in found) / LARGEST_ERROR
-        if worst <= 1.0:
+        more = max(_more(*one) for one in found)
+        if more == 1.0:
             break
-        effort *= min(1.3 * worst**2, 16.0)
+        effort *= more
         found = measure(effort)
     return found
+
+
+def _more(value: float, error: float) -> float:
+    """Factor of samples that brings a standard error below `LARGEST_ERROR`; 1 where it is."""
+    worst = error / value / LARGEST_ERROR
+    return min(1.3 * worst**2, 16.0) if worst > 1.0 else 1.0
 
 
 def upright(radiance: Radiance, case: Case, *, theta: float, n: int = 4000) -> tuple[float, float]:
@@ -146,10 +153,19 @@ def _trace(radiance: Radiance, folder: Path, case: Case, rays: bytes, options: S
 
 
 def _sensors(scene: gonio.Scene, case: Case, effort: float) -> Quantities:
-    """Illuminance and its standard error."""
-    samples = int(effort * case.samples)
-    lux = gonio.render_sensors(scene, case.sensors, samples=samples, relative_error=None, seed=5)
-    return list(zip(lux.illuminance.tolist(), lux.standard_error.tolist(), strict=True))
+    """Illuminance and its standard error; a sensor that is too uncertain is measured again for itself."""
+
+    def read(sensors: Sequence[tuple[float, ...]], effort: float) -> Quantities:
+        samples = int(effort * case.samples)
+        lux = gonio.render_sensors(scene, sensors, samples=samples, relative_error=None, seed=5)
+        return list(zip(lux.illuminance.tolist(), lux.standard_error.tolist(), strict=True))
+
+    found = read(case.sensors, effort)
+    for k, sensor in enumerate(case.sensors):
+        grown = effort * _more(*found[k])
+        if grown > effort:
+            (found[k],) = _precise(partial(read, (sensor,)), grown)
+    return found
 
 
 def _picture(scene: gonio.Scene, case: Case, effort: float) -> Quantities:
@@ -161,11 +177,26 @@ def _picture(scene: gonio.Scene, case: Case, effort: float) -> Quantities:
 
 
 def _radiance_sensors(radiance: Radiance, folder: Path, case: Case, effort: float) -> Quantities:
-    """Illuminance and its standard error, from the scatter of repeated runs."""
-    repeats = max(8, round(effort * case.repeats))
-    rows = np.repeat(np.array(case.sensors, np.float32), repeats, axis=0)
-    values = _trace(radiance, folder, case, rows.tobytes(), ["-I", "-ff"]).reshape(-1, repeats)
-    return [(float(v.mean()), float(v.std(ddof=1) / np.sqrt(repeats))) for v in values]
+    """Illuminance and its standard error, from the scatter of runs; more of them where it needs them."""
+
+    def read(sensors: Sequence[tuple[float, ...]], repeats: int) -> np.ndarray:
+        rows = np.repeat(np.array(sensors, np.float32), repeats, axis=0)
+        return _trace(radiance, folder, case, rows.tobytes(), ["-I", "-ff"]).reshape(-1, repeats)
+
+    def told(values: np.ndarray) -> tuple[float, float]:
+        return float(values.mean()), float(values.std(ddof=1) / np.sqrt(len(values)))
+
+    found = []
+    first = read(case.sensors, max(8, round(effort * case.repeats)))
+    for sensor, row in zip(case.sensors, first, strict=True):
+        values = row
+        for _ in range(3):
+            more = math.ceil((_more(*told(values)) - 1.0) * len(values))
+            if more == 0:
+                break
+            values = np.concatenate([values, read((sensor,), more)[0]])
+        found.append(told(values))
+    return found
 
 
 def _radiance_picture(radiance: Radiance, folder: Path, case: Case, effort: float) -> Quantities:
