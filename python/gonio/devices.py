@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -92,7 +92,7 @@ class GeometryBsdf:
 
     model: Klems | TensorTree
     standard_error: Klems | TensorTree
-    means: dict[tuple[str, str], PatchMeans]
+    means: dict[tuple[str, str], PatchMeans] = field(repr=False)
     basis: str
     rays: int
     relative_error: dict[tuple[str, str], float]
@@ -234,8 +234,11 @@ def simulate_geometry(
     count, step = (FIRST_RAYS_OF_A_CELL, MOST_STEP) if basis in RANKS else (FIRST_RAYS, math.inf)
     while True:
         found, most = measured(count)
-        if most <= error or count >= MOST_RAYS:
+        if most <= error:
             return found
+        if count >= MOST_RAYS:
+            text = f"error: reached {100 * most:.2g} % with the most rays, {100 * error:g} % were asked for"
+            return replace(found, warnings=[*found.warnings, text])
         # The error falls at least with the square root of the rays; it is known to some percent.
         wanted = min(count * min(max(1.5, 1.1 * (most / error) ** 2), step), MOST_RAYS)
         count = _native.rounded_rays(math.ceil(wanted))

@@ -92,6 +92,16 @@ def test_a_region_is_read_whatever_is_known(plan):
     assert found["readings"] - without["readings"] == pytest.approx(78, abs=15)
 
 
+def test_the_command_that_is_named_simulates_the_plan(run, tmp_path):
+    done = run("plan", "metal", "--incidence", "30,0", "--target-peak", "0.05", "-o", "plan")
+    assert done.code == 0, done.err
+    command = done.out.splitlines()[-1].partition("gonio ")[2]
+    assert "--material metal" in command
+    done = run(*command.split())
+    assert done.code == 0, done.err
+    assert list((tmp_path / "scan").glob("sample*.txt"))
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

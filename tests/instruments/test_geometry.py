@@ -56,6 +56,11 @@ def test_a_coloured_plate_keeps_its_colours(tmp_path):
         ({"sides": []}, "sides: found none"),
         ({"error": 0.0}, "error: found 0.0, allowed above 0"),
         ({"window": (0, 0, 2, 2)}, "window: found 0 0 2 2, allowed x_low y_low x_high y_high within 0 0 1 1"),
+        (
+            {"window": (0, 0, 1000, 1000), "periodic": True},
+            "allowed x_low y_low x_high y_high of one period, in the unit of the part",
+        ),
+        ({"window": (3, 3, 4, 4), "periodic": True}, "window: found 3 3 4 4"),
         ({"window": (0, 0, 1)}, "window: found (0, 0, 1)"),
         ({"rays": 0}, "rays: found 0"),
     ],

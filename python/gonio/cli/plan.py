@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -107,7 +108,17 @@ def plan(
     for sentence in found.misses:
         out.print(f"- {sentence}")
     if to is not None:
-        out.print(f"{to}: gonio simulate --instrument {to / 'instrument.toml'}")
+        out.print(f"{to}: {_next(known, found, to)}", soft_wrap=True)
+
+
+def _next(known: str, found: gonio.Plan, to: Path) -> str:
+    """The command that simulates the planned scans; of a measurement, the user has the model."""
+    material = "MODEL" if Path(known).is_dir() else known
+    places = dict.fromkeys(f"{s.theta_i:g},{s.phi_i:g}" for s in found.scans)
+    words = ["gonio simulate --material", shlex.quote(material), "--instrument"]
+    words.append(shlex.quote(str(to / "instrument.toml")))
+    words += [f"--incidence {place}" for place in places]
+    return " ".join([*words, "-o scan/"])
 
 
 def _region(text: str) -> tuple[float, float, float, float]:

@@ -42,6 +42,8 @@ pub struct Extent {
     pub periodic: bool,
 }
 
+/// Share of a period that what bounds the part covers at least: with less, the window is in another unit or aside of it.
+const LEAST_COVERED: f32 = 0.01;
 /// Rays begin before the part by this share of its size.
 const BEFORE: f32 = 1e-4;
 
@@ -49,7 +51,8 @@ impl Device {
     /// A part made of these surfaces; lights and skies among them are left out.
     ///
     /// # Errors
-    /// [`InstrumentError::Domain`] for a part without extent in x or y, a window that is not inside it or has no area, and
+    /// [`InstrumentError::Domain`] for a part without extent in x or y, a window that is not inside it, holds next to nothing of
+    /// it as a period, or has no area, and
     /// for indices beyond their lists.
     pub fn new(mut parts: Parts, extent: Extent) -> Result<Self, InstrumentError> {
         parts.lights.clear();
@@ -75,12 +78,17 @@ impl Device {
         let slack = 1e-4 * size.max_element();
         let inside =
             x0 >= low.x - slack && y0 >= low.y - slack && x1 <= high.x + slack && y1 <= high.y + slack;
-        if !(x1 > x0 && y1 > y0 && (inside || extent.periodic)) {
+        let covered = (x1.min(high.x) - x0.max(low.x)).max(0.0) * (y1.min(high.y) - y0.max(low.y)).max(0.0);
+        let filled = covered >= LEAST_COVERED * (x1 - x0) * (y1 - y0);
+        if !(x1 > x0 && y1 > y0 && (inside || (extent.periodic && filled))) {
             let found = format!("{x0} {y0} {x1} {y1}");
-            let allowed = format!(
-                "x_low y_low x_high y_high within {} {} {} {}",
-                low.x, low.y, high.x, high.y
-            );
+            let part = format!("{} {} {} {}", low.x, low.y, high.x, high.y);
+            let allowed = match extent.periodic {
+                true => format!(
+                    "x_low y_low x_high y_high of one period, in the unit of the part, which lies within {part}"
+                ),
+                false => format!("x_low y_low x_high y_high within {part}"),
+            };
             return Err(domain("window", found, &allowed));
         }
         let before = BEFORE * size.max_element();
