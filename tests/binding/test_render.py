@@ -193,6 +193,8 @@ def test_ctrl_c_itself_waits_for_the_end_of_the_work():
     code = """
 import os, signal, threading, time
 from gonio.working import finishing
+# A shell that starts tests in the background leaves the signal ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 ended = []
 def work():
     time.sleep(0.5)
