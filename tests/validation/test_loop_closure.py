@@ -54,7 +54,7 @@ def test_the_average_over_the_signature_agrees_with_the_instrument_without_noise
         assert np.percentile(np.abs(ratio / np.median(ratio) - 1.0), 95) < 2e-3
 
 
-@pytest.mark.parametrize("ratio", [1.0, 1.25, 1.5])
+@pytest.mark.parametrize("ratio", [1.0, 1.5])
 def test_the_error_of_sums_over_lines_is_the_closed_form_of_their_pitch(ratio):
     error, loss = line_sums(ratio, jitter=0.0, phases=12)
     assert np.abs(error - error.mean()).max() == pytest.approx(2 * np.exp(-((np.pi / ratio) ** 2)), rel=0.05)
