@@ -9,6 +9,7 @@ pub mod direction;
 pub mod disk;
 pub mod half;
 pub mod integrate;
+pub mod quadrature;
 pub mod side;
 pub mod weights;
 

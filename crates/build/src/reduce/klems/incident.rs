@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 
 use gonio_bsdf::klems::{Ring, Role};
+use gonio_geom::quadrature::gauss_legendre;
 
 use super::Filling;
 use super::azimuth::{BINS, Classes, spread};
-use super::rule::{gauss, in_cosine};
+use super::rule::in_cosine;
 
 /// The entries of some incident patches, each `[exit patch]`, and what they cost.
 #[derive(Clone, Debug, Default)]
@@ -25,7 +26,7 @@ impl Filling<'_> {
             return self.isotropic_ring(ring);
         }
         let mut out = Rows::default();
-        let rule = gauss(self.options.incident_points);
+        let rule = gauss_legendre(self.options.incident_points);
         // a whole turn is best covered by equal steps
         let turn: Vec<(f64, f64)> = if ring.n_phi == 1 {
             let n = 4 * self.options.incident_points;
@@ -57,7 +58,7 @@ impl Filling<'_> {
         // sums over bins of the azimuth from the mirror azimuth, for each exit ring
         let mut bins = vec![vec![0.0; BINS]; basis.rings().len()];
         // the whole accuracy of a patch goes into the polar angle
-        for (t, weight) in gauss(4 * self.options.incident_points) {
+        for (t, weight) in gauss_legendre(4 * self.options.incident_points) {
             let (u, wu) = in_cosine(ring, t);
             let weight = weight * wu;
             let wi = basis.point(ring.first, Role::Incident, self.side, u, 0.5);
