@@ -21,7 +21,7 @@ demo: setup ## simulate, process, check and report a campaign of a known materia
 	$(RUN) gonio demo
 
 test: setup ## every test, Rust and Python
-	cargo test --workspace --exclude gonio-py --release --quiet
+	cargo test --workspace --release --quiet
 	$(RUN) pytest -n auto
 
 check: setup ## format, lints, types and the fast tests
@@ -30,7 +30,7 @@ check: setup ## format, lints, types and the fast tests
 	$(RUN) ruff format --check python tests bench examples
 	$(RUN) ruff check
 	$(RUN) mypy
-	cargo test --workspace --exclude gonio-py --release --quiet
+	cargo test --workspace --release --quiet
 	$(RUN) pytest -m "not slow" -n auto
 
 fmt: setup ## format Rust and Python

@@ -207,7 +207,8 @@ impl Parametric for &'static CompensatedFamily {
 /// Every compensated model.
 pub fn compensated() -> &'static [&'static CompensatedFamily] {
     use super::{Beckmann, Conductor, Ggx, Schlick};
-    const ALL: &[&CompensatedFamily] = &[
+    // A static, not a constant, which would be compiled anew in each crate that asks for it.
+    static ALL: &[&CompensatedFamily] = &[
         &CompensatedFamily::new::<Ggx, Schlick>(
             "ggx-compensated",
             "GGX microfacets, compensated for multiple scattering",
