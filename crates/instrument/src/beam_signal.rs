@@ -2,63 +2,44 @@
 
 use gonio_geom::{DVec3, Direction};
 
-use crate::nodes::{node, on_disk};
+use crate::radial::Radial;
 use crate::{Beam, Detector};
 
-/// Nodes of the average of the beam over the aperture (and over the spot, where that widens it).
-const NODES: usize = 256;
-/// The same with the spot, two dimensions more.
-const NODES_WITH_SPOT: usize = 1024;
+/// Radius of the spot seen from the detector sphere, radians, below which it widens nothing.
+const POINT: f64 = 1e-9;
 
 /// The beam on the detector sphere, averaged over the aperture.
+///
+/// Beam, aperture and spot are round, so the signal is a function of the distance from the beam's centre.
 pub(crate) struct BeamSignal {
-    beam: Beam,
+    power: f64,
     centre: DVec3,
-    aperture: f64,
-    /// Chord from the centre beyond which there is no signal.
-    reach: f64,
-    /// Points of the aperture in units of its radius, and of the spot as a displacement on the sphere.
-    nodes: Vec<([f64; 2], [f64; 2])>,
+    /// Signal of a beam of unit power.
+    profile: Radial,
 }
 
 impl BeamSignal {
     /// The beam that arrives in direction `to`, seen from the sample.
     pub(crate) fn new(beam: &Beam, detector: &Detector, to: Direction) -> Self {
-        let spot = beam.spot_on_sphere(detector.distance);
-        let nodes = if spot == 0.0 {
-            (0..NODES).map(|k| (on_disk(node::<2>(k)), [0.0; 2])).collect()
+        let (profile, spot) = (&beam.profile, beam.spot_on_sphere(detector.distance));
+        let width = profile.width();
+        let seen = Radial::smeared(|c| profile.density(c), profile.reach(), width, detector.aperture);
+        let profile = if spot < POINT {
+            seen
         } else {
-            let both = |k| {
-                let [a, b, c, d] = node::<4>(k);
-                (on_disk([a, b]), on_disk([c, d]).map(|x| spot * x))
-            };
-            (0..NODES_WITH_SPOT).map(both).collect()
+            let feature = width.min(detector.aperture);
+            Radial::smeared(|c| seen.at(c), seen.reach(), feature, spot)
         };
         BeamSignal {
-            beam: beam.clone(),
+            power: beam.power,
             centre: to.vec(),
-            aperture: detector.aperture.tan(),
-            reach: beam.profile.reach() + detector.aperture.tan() + spot,
-            nodes,
+            profile,
         }
     }
 
     /// The signal at receiver direction `ws`; its integral over the sphere is the beam power.
     pub(crate) fn at(&self, ws: Direction) -> f64 {
-        if (ws.vec() - self.centre).length() > self.reach {
-            return 0.0;
-        }
-        let (a, b) = ws.vec().any_orthonormal_pair();
-        let sum: f64 = self
-            .nodes
-            .iter()
-            .map(|&([u, v], [x, y])| {
-                let (u, v) = (self.aperture * u + x, self.aperture * v + y);
-                let point = (ws.vec() + u * a + v * b).normalize();
-                self.beam.profile.density((point - self.centre).length())
-            })
-            .sum();
-        self.beam.power * sum / self.nodes.len() as f64
+        self.power * self.profile.at((ws.vec() - self.centre).length())
     }
 
     /// The mean of [`BeamSignal::at`] over the way `travel` (a chord of the unit sphere) about `ws`.
@@ -66,7 +47,7 @@ impl BeamSignal {
         if travel == DVec3::ZERO {
             return self.at(ws);
         }
-        if (ws.vec() - self.centre).length() > self.reach + 0.5 * travel.length() {
+        if (ws.vec() - self.centre).length() > self.profile.reach() + 0.5 * travel.length() {
             return 0.0;
         }
         let steps = [-0.375, -0.125, 0.125, 0.375].map(|t| Direction::new(ws.vec() + t * travel));
