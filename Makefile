@@ -22,7 +22,7 @@ demo: setup ## simulate, process, check and report a campaign of a known materia
 
 test: setup ## every test, Rust and Python
 	cargo test --workspace --release --quiet
-	$(RUN) pytest -n auto
+	$(RUN) pytest -n auto --dist worksteal
 
 check: setup ## format, lints, types and the fast tests
 	cargo fmt --all --check
@@ -31,7 +31,7 @@ check: setup ## format, lints, types and the fast tests
 	$(RUN) ruff check
 	$(RUN) mypy
 	cargo test --workspace --release --quiet
-	$(RUN) pytest -m "not slow" -n auto
+	$(RUN) pytest -m "not slow" -n auto --dist worksteal
 
 fmt: setup ## format Rust and Python
 	cargo fmt --all

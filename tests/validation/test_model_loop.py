@@ -17,12 +17,13 @@ def measured(of, folder, seed):
 
 @pytest.fixture(scope="module")
 def loop(tmp_path_factory):
-    """The readings of a plastic, their model, and the readings of that model."""
+    """A plastic, the model of its readings, the model of the readings of that, and these."""
     first = measured("plastic", tmp_path_factory.mktemp("first"), 11)
     model = gonio.build(first)
     truth = material("plastic")
     again = Material("model", "the model of its readings", model, truth.components, truth.incidences)
-    return truth, model, measured(again, tmp_path_factory.mktemp("second"), 12)
+    readings = measured(again, tmp_path_factory.mktemp("second"), 12)
+    return truth, model, gonio.build(readings), readings
 
 
 def dsf(model, theta_i):
@@ -34,8 +35,7 @@ def dsf(model, theta_i):
 
 @pytest.mark.parametrize("theta_i", [27.0, 55.0, 72.0])
 def test_the_model_of_the_readings_of_a_model_is_that_model(loop, theta_i):
-    truth, model, again = loop
-    second = gonio.build(again)
+    truth, model, second, _ = loop
     first_error = np.abs(dsf(model, theta_i) - dsf(truth.bsdf, theta_i)).sum()
     apart = np.abs(dsf(second, theta_i) - dsf(model, theta_i)).sum()
     size = dsf(truth.bsdf, theta_i).sum()
@@ -44,7 +44,7 @@ def test_the_model_of_the_readings_of_a_model_is_that_model(loop, theta_i):
 
 
 def test_the_fit_of_the_readings_of_a_model_gives_the_parameters_of_the_truth(loop):
-    _, _, again = loop
+    *_, again = loop
     values = gonio.fit(again, model="lambert + ward-gmd").parameters["photopic"]
     assert values["kd"] == pytest.approx(0.4, rel=0.01)
     assert values["ks"] == pytest.approx(0.08, rel=0.01)

@@ -33,6 +33,7 @@ DEEP = {
     "divisions": 2048,
     "repeats": 16,
     "samples": 1 << 17,
+    "pixel_samples": 64,
     "pixel_rays": 16,
     "pixel_divisions": 36,
 }

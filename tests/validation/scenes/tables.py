@@ -57,7 +57,7 @@ TABLES = (
         files=KLEMS,
         sensors=BELOW,
         view=UNDERSIDE,
-        samples=1 << 17,
+        pixel_samples=32,
         **UNDER_SKY,
     ),
     Case(
@@ -97,6 +97,8 @@ TABLES = (
         files=PEAK,
         sensors=BELOW,
         view=UNDERSIDE,
+        samples=1 << 14,
+        pixel_samples=32,
         **UNDER_SKY,
     ),
     Case(
@@ -106,6 +108,8 @@ TABLES = (
         files=PEAK_KLEMS,
         sensors=BELOW,
         view=UNDERSIDE,
+        samples=1 << 14,
+        pixel_samples=32,
         approximate={"picture": 0.02},
         **UNDER_SKY,
     ),
