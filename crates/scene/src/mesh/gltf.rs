@@ -16,6 +16,17 @@ use super::{Mesh, fault};
 /// Corners and triangles, at most.
 const MOST: usize = 1 << 28;
 
+/// The library takes the length of the header off the one that a binary file states, however small that is.
+fn check_length(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    match bytes {
+        [b'g', b'l', b'T', b'F', _, _, _, _, a, b, c, d, ..] if u32::from_le_bytes([*a, *b, *c, *d]) < 12 => {
+            let found = u32::from_le_bytes([*a, *b, *c, *d]).to_string();
+            Err(fault(path, "length", found, "the bytes of the file, 12 at least"))
+        }
+        _ => Ok(()),
+    }
+}
+
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, IoError> {
     let wrong = |e: gltf::Error| {
         fault(
@@ -25,6 +36,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Mesh, IoError> {
             "a valid glTF 2.0 file, .gltf or .glb",
         )
     };
+    check_length(path, bytes)?;
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(wrong)?;
     let root = document.into_json();
     // The library looks at the accessor of positions before it has checked that there is one.

@@ -82,6 +82,8 @@ fn damaged_gltf_is_refused() {
     for bytes in [&b""[..], b"{}", b"glTF\x02\0\0\0\xff\xff\xff\xffJSON", b"[[[[["] {
         assert!(read_as("a.glb", bytes).is_err());
     }
+    let e = read_as("a.glb", b"glTF\x02\0\0\0\x0b\0\0\0JSON").unwrap_err();
+    assert!(e.contains("length: found 11, allowed"), "{e}");
 }
 
 #[test]
@@ -133,6 +135,7 @@ proptest::proptest! {
         for name in ["a.obj", "a.ply", "a.stl", "a.gltf", "a.glb"] {
             let _ = read_as(name, &bytes);
         }
+        let _ = read_as("a.glb", &[b"glTF\x02\0\0\0", bytes.as_slice()].concat());
         let mut damaged = gltf(|t| t);
         damaged.splice(cut.min(damaged.len())..(cut + 2).min(damaged.len()), bytes.iter().take(2).copied());
         let _ = read_as("a.gltf", &damaged);
