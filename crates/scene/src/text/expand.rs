@@ -13,7 +13,7 @@ use super::generators;
 use super::transform::Change;
 use super::xform::Xform;
 use crate::error::{Place, SceneError};
-use crate::generate;
+use crate::generate::{self, GenerateError};
 
 /// An item and where it stands: of a generated one, its command.
 #[derive(Clone, Debug)]
@@ -165,13 +165,11 @@ impl Expansion<'_> {
                 }
                 "gensky" | "gendaylit" => {
                     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-                    let text = if name == "gensky" {
-                        generate::gensky(&words).map_err(|e| e.to_string())
-                    } else {
-                        generate::gendaylit(&words).map_err(|e| e.to_string())
+                    let text = match name {
+                        "gensky" => generate::gensky(&words),
+                        _ => generate::gendaylit(&words),
                     };
-                    let text = text
-                        .map_err(|e| place.fault(name, e.to_string(), format!("the arguments of {name}")))?;
+                    let text = text.map_err(|e| sky_fault(place, e))?;
                     at_place(radiance_material::read_from(&place.file, text.as_bytes())?)
                 }
                 _ => {
@@ -296,6 +294,23 @@ impl Expansion<'_> {
             }
         }
         Ok(out)
+    }
+}
+
+/// The error of a sky's arguments where they stand.
+fn sky_fault(place: &Place, error: GenerateError) -> SceneError {
+    match error {
+        GenerateError::UnknownOption {
+            command,
+            option,
+            allowed,
+        } => place.fault(command, format!("unknown option `{option}`"), allowed),
+        GenerateError::BadValue {
+            command,
+            what,
+            found,
+            allowed,
+        } => place.fault(format!("{command}: {what}"), found, allowed),
     }
 }
 
