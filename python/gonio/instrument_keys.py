@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from gonio._native import FormatError
+
+Refuse = Callable[[str, str, str], FormatError]
+"""Makes the error of a key from the key, what was found there and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -153,6 +157,26 @@ class Section(Key):
         return isinstance(value, dict)
 
 
+@dataclass(frozen=True, init=False)
+class Pair(Key):
+    """Two of some words, required."""
+
+    words: tuple[str, ...] = ()
+
+    def __init__(self, words: tuple[str, ...]) -> None:
+        super().__init__(required=True)
+        object.__setattr__(self, "words", words)
+
+    @property
+    def allowed(self) -> str:
+        """The words."""
+        return f"two of {', '.join(self.words)}"
+
+    def holds(self, value: Any) -> bool:
+        """Whether it is a list of two of the words."""
+        return isinstance(value, list) and len(value) == 2 and all(v in self.words for v in value)
+
+
 def _number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
@@ -173,3 +197,28 @@ def parse_toml(text: str, *, source: str, kind: str) -> dict[str, Any]:
     if found != kind:
         raise FormatError(f"{source}: format: found {found!r}, allowed {kind!r}: it is another kind of file")
     return raw
+
+
+def read_section(keys: Mapping[str, Key], raw: Any, *, name: str, refuse: Refuse) -> dict[str, Any]:
+    """The values of the section `name` of a file (empty at its top), defaults filled in.
+
+    Raises
+    ------
+    FormatError
+        An unknown key, one that is missing, a value that its key does not take.
+    """
+    prefix = f"{name}." if name else ""
+    for key in raw:
+        if key not in keys:
+            raise refuse(prefix + key, "an unknown key", ", ".join(keys))
+    found = {}
+    for key, kind in keys.items():
+        if key not in raw:
+            if kind.required:
+                raise refuse(prefix + key, "nothing", kind.allowed)
+            found[key] = kind.default
+        elif not kind.holds(raw[key]):
+            raise refuse(prefix + key, repr(raw[key]), kind.allowed)
+        else:
+            found[key] = raw[key]
+    return found

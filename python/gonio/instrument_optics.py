@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
-from gonio._native import FormatError
+from gonio.instrument_keys import Refuse
 
 
 def lens(
@@ -13,7 +13,7 @@ def lens(
     *,
     focus: str,
     distance_mm: float,
-    refuse: Callable[[str, str, str], FormatError],
+    refuse: Refuse,
 ) -> tuple[float, float]:
     """Return half angle of the beam in degrees and diameter of the spot on the sample in metres.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio._native import DomainError, FormatError
+from gonio._native import DomainError
+from gonio.instrument_keys import Refuse
 from gonio.instrument_tables import pair_rows
-
-Refuse = Callable[[str, str, str], FormatError]
 
 WAVELENGTH = np.arange(200.0, 3000.5, 1.0)
 """Nodes of spectral integrals, nm."""

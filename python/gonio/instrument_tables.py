@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
-from gonio._native import FormatError
-
-Refuse = Callable[[str, str, str], FormatError]
+from gonio.instrument_keys import Refuse
 
 
 def _rows(path: Path, columns: int, *, key: str, refuse: Refuse) -> list[list[float]]:

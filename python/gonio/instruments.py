@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from gonio._native import DomainError, FormatError
-from gonio.instrument_keys import parse_toml
+from gonio.instrument_keys import parse_toml, read_section
 from gonio.instrument_optics import lens
 from gonio.instrument_sections import FORMAT, PATCH, SECTIONS
 from gonio.instrument_spectra import Channel, Lamp, channel, lamp
@@ -125,22 +125,7 @@ class _Reader:
 
     def section(self, name: str, raw: Any) -> dict[str, Any]:
         """The values of a section, defaults filled in."""
-        keys = SECTIONS[name]
-        for key in raw:
-            if key not in keys:
-                raise self.refuse(f"{name}.{key}" if name else key, "an unknown key", ", ".join(keys))
-        found = {}
-        for key, kind in keys.items():
-            full = f"{name}.{key}" if name else key
-            if key not in raw:
-                if kind.required:
-                    raise self.refuse(full, "nothing", kind.allowed)
-                found[key] = kind.default
-            elif not kind.holds(raw[key]):
-                raise self.refuse(full, repr(raw[key]), kind.allowed)
-            else:
-                found[key] = raw[key]
-        return found
+        return read_section(SECTIONS[name], raw, name=name, refuse=self.refuse)
 
     def rows(self, name: str, raw: Any) -> list[dict[str, Any]]:
         return [self.section(name, row) for row in raw or []]

@@ -10,7 +10,7 @@ from typing import Any
 
 from gonio import _native
 from gonio._native import DomainError, FormatError, IntegratingSphere
-from gonio.instrument_keys import Key, Number, Section, Word, parse_toml
+from gonio.instrument_keys import Key, Number, Pair, Section, Word, parse_toml, read_section
 from gonio.readings import PathLike
 
 FORMAT = "gonio-sphere 1"
@@ -62,7 +62,7 @@ SECTIONS: Mapping[str, Mapping[str, Key]] = {
     "comparison": PLACE,
     "auxiliary": PLACE,
     "baffle": {
-        "between": Key(required=True),
+        "between": Pair(PORTS),
         "at": Number(0.02, 0.98),
         "diameter_mm": Number(0.1, 1e4),
         "reflectance": Number(0.0, 1.0, required=False),
@@ -181,30 +181,7 @@ class _Reader:
 
     def section(self, name: str, raw: Any) -> dict[str, Any]:
         """The values of a section, defaults filled in."""
-        keys = SECTIONS[name]
-        for key in raw:
-            if key not in keys:
-                raise self.refuse(f"{name}.{key}" if name else key, "an unknown key", ", ".join(keys))
-        found = {}
-        for key, kind in keys.items():
-            full = f"{name}.{key}" if name else key
-            if key == "between":
-                found[key] = self.between(raw.get(key))
-            elif key not in raw:
-                if kind.required:
-                    raise self.refuse(full, "nothing", kind.allowed)
-                found[key] = kind.default
-            elif not kind.holds(raw[key]):
-                raise self.refuse(full, repr(raw[key]), kind.allowed)
-            else:
-                found[key] = raw[key]
-        return found
-
-    def between(self, value: Any) -> tuple[str, str]:
-        if not (isinstance(value, list) and len(value) == 2 and all(v in PORTS for v in value)):
-            found = "nothing" if value is None else repr(value)
-            raise self.refuse("baffle.between", found, f"two of {', '.join(PORTS)}")
-        return value[0], value[1]
+        return read_section(SECTIONS[name], raw, name=name, refuse=self.refuse)
 
     def sphere(self, raw: Mapping[str, Any]) -> Sphere:
         top = self.section("", raw)
