@@ -1,25 +1,16 @@
-//! Suns in plane mirrors: closed forms, and pictures against those in which they are found by chance. Of 63 and more degrees of
-//! freedom, 4 standard errors are exceeded in 2 of 10 000 comparisons; seeds are fixed.
+//! Suns in plane mirrors: closed forms, and pictures against those in which they are found by chance; seeds
+//! are fixed.
 
-use std::f64::consts::PI;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
+use crate::common::blocks::{assert_equal, into_the_room, model, noise, over_seeds};
 use crate::common::{grey, irradiance, of, sharp};
 use glam::Vec3;
+use gonio_bsdf::RadianceMaterial;
 use gonio_bsdf::radiance::{Glass, Mirror, Parameters, Plastic};
-use gonio_bsdf::{Bsdf, RadianceMaterial};
-use gonio_trace::camera::{Camera, Projection, View};
+use gonio_trace::camera::Camera;
 use gonio_trace::light::{Distant, Light};
 use gonio_trace::material::Material;
-use gonio_trace::path::Limits;
-use gonio_trace::render::{Effort, Picture};
 use gonio_trace::scene::{Parts, Scene};
-
-fn model(m: RadianceMaterial) -> Material {
-    let model: Arc<dyn Bsdf> = Arc::from(m.bsdf().unwrap());
-    Material::model(model, None)
-}
+use std::f64::consts::PI;
 
 fn mirror(share: f64) -> Material {
     let mirror = Mirror::from_arguments(&[], &[share; 3]).unwrap();
@@ -90,8 +81,8 @@ fn a_mirrored_sun_lights_by_the_reflectance_and_the_cosine_and_a_pane_takes_its_
             let glass = Glass::from_arguments(&[], &[0.9; 3]).unwrap();
             let wi = gonio_geom::Direction::from_spherical((0.8_f64).acos(), 0.0);
             let mut share = [0.0; 3];
-            let model = RadianceMaterial::Glass(glass).bsdf().unwrap();
-            model.delta(wi, gonio_geom::Component::Transmission, &mut share);
+            let pane = RadianceMaterial::Glass(glass).bsdf().unwrap();
+            pane.delta(wi, gonio_geom::Component::Transmission, &mut share);
             wanted *= share[1].powi(2);
         }
         // Light between pane and mirror comes back by chance.
@@ -131,50 +122,7 @@ fn room(pieces: u32) -> (Scene, Camera) {
         pieces,
         1,
     );
-    let view = View {
-        projection: Projection::Perspective,
-        point: Vec3::new(1.0, 0.1, 1.1),
-        direction: Vec3::new(0.0, 1.0, -0.2),
-        up: Vec3::Z,
-        horizontal: 80.0,
-        vertical: 60.0,
-        shift: [0.0; 2],
-        fore: 0.0,
-        aft: 0.0,
-    };
-    (Scene::new(parts).unwrap(), Camera::new(view).unwrap())
-}
-
-/// Mean and standard error of blocks of pixels over seeds.
-fn over_seeds(scene: &Scene, camera: &Camera, share: bool, bounces: u32) -> Vec<(f64, f64)> {
-    const SEEDS: u64 = 64;
-    let run = |seed| {
-        let effort = Effort {
-            samples: 16,
-            relative_error: None,
-            limits: Limits {
-                bounces,
-                ..Limits::default()
-            },
-            seed,
-            share,
-        };
-        let mut picture = Picture::new(24, 20);
-        picture.render(scene, camera, &effort, &AtomicBool::new(false), &|_| {});
-        let mut sums = vec![0.0; 30];
-        for (k, pixel) in picture.pixels.iter().enumerate() {
-            sums[k / 24 / 4 * 6 + k % 24 / 4] += pixel.luminance() / 16.0;
-        }
-        sums
-    };
-    let runs: Vec<Vec<f64>> = (0..SEEDS).map(|seed| run(100 + seed)).collect();
-    (0..runs[0].len())
-        .map(|k| {
-            let mean = runs.iter().map(|r| r[k]).sum::<f64>() / SEEDS as f64;
-            let scatter: f64 = runs.iter().map(|r| (r[k] - mean).powi(2)).sum();
-            (mean, (scatter / ((SEEDS - 1) * SEEDS) as f64).sqrt())
-        })
-        .collect()
+    (Scene::new(parts).unwrap(), into_the_room(80.0))
 }
 
 #[test]
@@ -184,14 +132,7 @@ fn suns_drawn_through_mirrors_bring_what_chance_brings_with_less_noise() {
     for (bounces, share) in [(1, true), (2, true), (64, true), (64, false)] {
         let a = over_seeds(&drawn, &camera, share, bounces);
         let b = over_seeds(&chance, &camera, share, bounces);
-        for (k, (a, b)) in a.iter().zip(&b).enumerate() {
-            let error = a.1.hypot(b.1);
-            assert!(
-                (a.0 - b.0).abs() <= 4.0 * error + 1e-4 * b.0,
-                "{bounces} bounces, block {k}: {a:?} {b:?}"
-            );
-        }
-        let noise = |all: &[(f64, f64)]| all.iter().map(|v| (v.1 / v.0).powi(2)).sum::<f64>();
+        assert_equal(&a, &b, &format!("{bounces} bounces"));
         if bounces > 1 {
             assert!(noise(&a) < 0.5 * noise(&b), "{} {}", noise(&a), noise(&b));
         }

@@ -1,6 +1,8 @@
 //! What the tests against closed forms share: means with their errors, and parts of scenes.
 #![allow(dead_code)]
 
+pub(crate) mod blocks;
+
 use glam::Vec3;
 use gonio_trace::light::{Ball, Flat, Light};
 use gonio_trace::material::Material;
