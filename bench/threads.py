@@ -14,7 +14,7 @@ from typing import Any
 
 SCENES = Path(__file__).parent.parent / "examples" / "scenes"
 IDS = ("threads-picture", "threads-sensor")
-PAIRS = 5
+PAIRS = 9
 
 
 def run() -> list[dict[str, Any]]:
