@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from .claims import claims
 from .line_pitch import line_sums
 from .loop_closure import INCIDENCES, PARTS, closure, instrument, material, measured, seen
 
@@ -52,6 +53,16 @@ def test_the_average_over_the_signature_agrees_with_the_instrument_without_noise
         # The beam's power comes from a raster, common to all; what is left is the difference of two averages.
         assert abs(np.median(ratio) - 1.0) < 2e-3
         assert np.percentile(np.abs(ratio / np.median(ratio) - 1.0), 95) < 2e-3
+
+
+def test_what_motion_during_a_reading_does_to_a_peak_is_claimed():
+    for pitches, most in ((2.0, 1.15), (4.0, 1.4)):
+        found = claims("Ward-GMD, alpha .02", {}, pitches, seeds=range(3))
+        assert 0.85 < found.error / found.claim < most, found
+    # Steps as long as the lobe is wide: here motion adds as much as the beam.
+    still = claims("Ward-GMD, alpha .02", {"integration": 0.0}, 4.0, seeds=range(3))
+    assert found.error > 1.3 * still.error
+    assert found.claim > 1.1 * still.claim
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1.5])

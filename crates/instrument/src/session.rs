@@ -21,6 +21,7 @@ fn meta(instrument: &Instrument, campaign: &Campaign) -> ScanMeta {
         distance: Some(instrument.detector.distance),
         receiver_solid_angle: Some(instrument.detector.solid_angle()),
         beam_diameter: Some(instrument.beam.spot_diameter),
+        integration: (instrument.detector.integration > 0.0).then_some(instrument.detector.integration),
         saturation: Some(instrument.detector.highest()),
         started: campaign.started.clone(),
         ..ScanMeta::default()

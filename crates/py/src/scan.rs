@@ -162,6 +162,7 @@ pub(crate) fn meta_to<'py>(py: Python<'py>, meta: &core::ScanMeta) -> PyResult<B
         ("beam_diameter", meta.beam_diameter),
         ("noise_readout", meta.noise_readout),
         ("noise_relative", meta.noise_relative),
+        ("integration", meta.integration),
         ("saturation", meta.saturation),
     ];
     for (name, value) in numbers {
@@ -196,20 +197,27 @@ pub(crate) fn meta_from(dict: &Bound<'_, PyDict>) -> PyResult<core::ScanMeta> {
                     "beam_diameter" => &mut meta.beam_diameter,
                     "noise_readout" => &mut meta.noise_readout,
                     "noise_relative" => &mut meta.noise_relative,
+                    "integration" => &mut meta.integration,
                     "saturation" => &mut meta.saturation,
                     _ => {
                         return Err(domain(
                             "meta",
                             format!("{name:?}"),
                             "sample_name, instrument, distance, receiver_solid_angle, beam_diameter, noise_readout, \
-                             noise_relative, saturation, started, source, other",
+                             noise_relative, integration, saturation, started, source, other",
                         ));
                     }
                 };
                 let number: f64 = value.extract()?;
                 let strict = POSITIVE.contains(&name);
-                if !number.is_finite() || number < 0.0 || (strict && number == 0.0) {
-                    let allowed = if strict { "a number > 0" } else { "a number >= 0" };
+                let share = name == "integration";
+                if !number.is_finite() || number < 0.0 || (strict && number == 0.0) || (share && number > 1.0)
+                {
+                    let allowed = match (strict, share) {
+                        (true, _) => "a number > 0",
+                        (_, true) => "a number of 0 to 1",
+                        _ => "a number >= 0",
+                    };
                     return Err(domain(name, number, allowed));
                 }
                 *slot = Some(number);

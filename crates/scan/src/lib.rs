@@ -32,6 +32,7 @@ pub mod signature;
 pub mod tabulate;
 #[cfg(test)]
 mod testing;
+mod unresolved;
 mod validate;
 pub mod verdict;
 mod weigh;

@@ -15,21 +15,27 @@ use crate::{DirectionIndex, Resolution, Slice};
 /// holds. Where readings lie on a line (an in-plane scan) it is twice the curvature along the path. Zero for a width that is
 /// not finite, and where neither is known (the path turns, jumps or ends).
 pub fn resolution_uncertainty(slice: &Slice, second_moment: f64, fwhm: f64) -> Vec<f64> {
+    let bias = resolution_bias(slice, second_moment, fwhm);
+    bias.into_iter().map(f64::abs).collect()
+}
+
+/// The same with its sign: above 0 where the beam raises a reading.
+pub(crate) fn resolution_bias(slice: &Slice, second_moment: f64, fwhm: f64) -> Vec<f64> {
     if !fwhm.is_finite() {
         return vec![0.0; slice.len()];
     }
-    let mut u: Vec<f64> = path_curvature(slice, 1.5 * fwhm)
+    let mut bias: Vec<f64> = path_curvature(slice, 1.5 * fwhm)
         .into_iter()
         .map(|c| 2.0 * c)
         .collect();
     for side in Side::BOTH {
         for (j, found, most) in laplacians(slice, side, 1.5 * fwhm) {
             // A beam takes no more from a reading than the readings around differ by: a quadratic that runs away says less.
-            u[j] = found.signum() * found.abs().min(4.0 * most / second_moment);
+            bias[j] = found.signum() * found.abs().min(4.0 * most / second_moment);
         }
     }
-    u.iter_mut().for_each(|l| *l = (0.25 * second_moment * *l).abs());
-    u
+    bias.iter_mut().for_each(|l| *l *= 0.25 * second_moment);
+    bias
 }
 
 /// `u_dsf` of every reading without the part that the width of the beam adds, [`resolution_uncertainty`], 1/sr: for what

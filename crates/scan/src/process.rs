@@ -9,8 +9,8 @@ use crate::beam::beam_power;
 use crate::blank::blank_match;
 use crate::dark::{DarkOptions, DarkSummary, subtract};
 use crate::flagging::{Apertures, half_angle, raw_flags};
-use crate::local::{gradient, resolution_uncertainty};
-use crate::narrow_peak;
+use crate::local::gradient;
+use crate::unresolved;
 use crate::validate::{sample_records, well_formed};
 use crate::weigh::weigh;
 use crate::{Beam, Flags, Measurement, NoiseModel, Scan, ScanError, ScanKind, Slice};
@@ -296,7 +296,7 @@ fn one(
     } else {
         (1.0, options.u_calibration)
     };
-    let quantity = scan.quantity;
+    let (quantity, integration) = (scan.quantity, scan.meta.integration);
     let to_dsf = move |theta_s: f64| factor * quantity.to_dsf(theta_s.cos()).unwrap_or(1.0);
     let mut slice = to_slice(scan, flags, &noise, found, u_common, to_dsf);
     let resolution = any_beam.map(|b| (b.signature.second_moment, b.signature.fwhm));
@@ -310,14 +310,7 @@ fn one(
             0.0
         },
     )?;
-    if let Some((second_moment, fwhm)) = resolution {
-        narrow_peak::add_uncertainty(&mut slice, second_moment);
-        // Last: the beam spreads light and takes none, so that the integrals do not depend on its width.
-        let own = resolution_uncertainty(&slice, second_moment, fwhm);
-        for (u, r) in slice.u_dsf.iter_mut().zip(own) {
-            *u = u.hypot(r);
-        }
-    }
+    unresolved::add_uncertainty(&mut slice, resolution, integration);
     Ok(Done {
         slice,
         noise,

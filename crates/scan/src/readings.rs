@@ -74,6 +74,8 @@ pub struct ScanMeta {
     pub noise_readout: Option<f64>,
     /// Standard deviation of the noise proportional to the signal, as a fraction.
     pub noise_relative: Option<f64>,
+    /// Share of the way from one reading to the next over which a reading averages, `[0, 1]`: the detector does not stop.
+    pub integration: Option<f64>,
     /// Reading at which the detector saturates, in the unit of the values.
     pub saturation: Option<f64>,
     /// Start of the record, ISO 8601.

@@ -14,6 +14,7 @@ use crate::nearest::DirectionIndex;
 use crate::process::{
     ProcessOptions, add_direction_uncertainty, apertures, combine, model_of, noise_models, to_slice,
 };
+use crate::unresolved;
 use crate::validate::{sample_records, well_formed};
 use crate::{Flags, Measurement, NoiseModel, Scan, ScanError, ScanKind};
 
@@ -240,6 +241,7 @@ fn one(
         }
     }
     let u_common = reference.u_relative.hypot(options.u_calibration);
+    let integration = scan.meta.integration;
     let mut slice = to_slice(scan, flags, &noise, found, u_common, |_| 1.0);
     let mean_scale = scale.iter().filter(|s| s.is_finite()).sum::<f64>() / shared as f64;
     for j in 0..slice.len() {
@@ -248,6 +250,7 @@ fn one(
     }
     add_direction_uncertainty(&mut slice, options.u_angle);
     combine(&mut slice, found.map_or(0.0, |d| d.u_common) * mean_scale)?;
+    unresolved::add_uncertainty(&mut slice, None, integration);
     Ok(Done {
         slice,
         noise,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
-from gonio.instruments import Instrument
 
+from ..claims import claims
 from ..line_pitch import line_sums
-from ..loop_closure import PARTS, closure, instrument, material, measured
+from ..loop_closure import PARTS, closure, instrument
 from . import table
 
 RATIOS = (0.5, 1.0, 1.25, 1.5, 2.0)
@@ -45,9 +43,9 @@ incidences, relative to the truth. Gains and lamp are free of error here, and no
 processing finds out by itself.
 
 {variants}
-Coarser paths leave the DHR's claim cautious. What the beam does to a peak is claimed from the Laplacian over the readings around. On coarse
-paths the claim of a reading falls behind: the detector reads while it moves, over half of its way to the next reading here, and
-records do not say so.
+Coarser paths leave the DHR's claim cautious. What the beam does to a peak is claimed from the Laplacian over the readings around, what
+motion does from the curvature along the path: the detector reads over half of its way to the next reading here, and the records say so
+(`integration`). Where steps are as wide as the lobe neither curvature is seen whole, and the claim of a reading falls behind.
 
 ## Lines across a lobe
 
@@ -81,52 +79,16 @@ def materials() -> list[list[str]]:
     return rows
 
 
-def bench(settings: dict[str, float], pitches: float) -> Instrument:
-    """The instrument of the variants: without errors of gain and drift, which no claim but the calibration's covers."""
-    it = instrument().with_settings({"lamp_drift": 0.0, **settings})
-    across, along = (pitches * it.settings[k] for k in ("pitch_across", "pitch_along"))
-    regions = [
-        (around, at, (radius, pitches * pitch, *rest))
-        for around, at, (radius, pitch, *rest) in it.parts["regions"]
-    ]
-    ranges = [(scale, noise, 0.0) for scale, noise, _ in it.parts["ranges"]]
-    return dataclasses.replace(
-        it.with_settings({"pitch_across": min(across, 28.0), "pitch_along": along}),
-        parts={**it.parts, "regions": regions, "ranges": ranges},
-        u_calibration=0.0,
-    )
-
-
 def variant(settings: dict[str, float], pitches: float) -> list[str]:
     """Errors and claims near the mirror direction and of the DHR."""
-    it, device = material(NARROW), bench(settings, pitches)
-    error, claim, whole, stated = [], [], [], []
-    for seed in SEEDS:
-        for s in measured(it, device, seed=seed).slices:
-            t, ti = np.radians(s.theta_s), np.radians(s.theta_i)
-            turned = np.radians(s.phi_s - s.phi_i - 180.0)
-            near = (
-                np.cos(t) * np.cos(ti) + np.sin(t) * np.sin(ti) * np.cos(turned) > np.cos(np.radians(5))
-            ) & (s.flags == 0)
-            truth = it.dsf(theta_i=s.theta_i, phi_i=s.phi_i, theta_s=s.theta_s[near], phi_s=s.phi_s[near])
-            error.append((s.dsf[near] - truth) / truth.max())
-            claim.append(s.u_dsf[near] / truth.max())
-            for i in s.integrals:
-                dhr = it.directional_hemispherical(theta_i=s.theta_i, phi_i=s.phi_i, side=i.side)
-                whole.append(i.value / dhr - 1.0)
-                stated.append(i.u / dhr)
-
-    def rms(parts: list) -> float:
-        return float(np.sqrt(np.mean(np.square(np.hstack(parts)))))
-
-    found = [rms(error), rms(claim), rms(whole), rms(stated)]
+    found = claims(NARROW, settings, pitches, seeds=SEEDS)
     return [
-        percent(found[0]),
-        percent(found[1]),
-        f"{found[0] / found[1]:.2f}",
-        percent(found[2], 3),
-        percent(found[3], 3),
-        f"{found[2] / found[3]:.2f}",
+        percent(found.error),
+        percent(found.claim),
+        f"{found.error / found.claim:.2f}",
+        percent(found.dhr_error, 3),
+        percent(found.dhr_claim, 3),
+        f"{found.dhr_error / found.dhr_claim:.2f}",
     ]
 
 

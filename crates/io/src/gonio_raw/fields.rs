@@ -88,6 +88,7 @@ impl Fields {
             }
             "noise_readout" => self.meta.noise_readout = Some(number(0.0, f64::MAX)?),
             "noise_relative" => self.meta.noise_relative = Some(number(0.0, f64::MAX)?),
+            "integration" => self.meta.integration = Some(number(0.0, 1.0)?),
             "saturation" => self.meta.saturation = Some(number(0.0, f64::MAX)?),
             "" => {} // a comment: `# text`
             key => {
@@ -176,7 +177,7 @@ impl Fields {
 }
 
 /// Keys that have a field of their own and so cannot be used as free keys.
-pub(super) const RESERVED: [&str; 18] = [
+pub(super) const RESERVED: [&str; 19] = [
     "gonio",
     "record",
     "columns",
@@ -194,5 +195,6 @@ pub(super) const RESERVED: [&str; 18] = [
     "receiver_solid_angle_sr",
     "noise_readout",
     "noise_relative",
+    "integration",
     "saturation",
 ];

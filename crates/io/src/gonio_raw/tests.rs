@@ -143,12 +143,25 @@ fn scan() -> impl Strategy<Value = Scan> {
         size(),
         size(),
         size(),
+        prop::option::of(0.0..=1.0f64),
         size(),
         "[a-z_]{1,5}x",
         name(),
     )
         .prop_map(
-            |(sample_name, instrument, mm, omega, beam, readout, relative, saturation, key, value)| {
+            |(
+                sample_name,
+                instrument,
+                mm,
+                omega,
+                beam,
+                readout,
+                relative,
+                integration,
+                saturation,
+                key,
+                value,
+            )| {
                 ScanMeta {
                     sample_name,
                     instrument,
@@ -157,6 +170,7 @@ fn scan() -> impl Strategy<Value = Scan> {
                     beam_diameter: beam.map(|x| x / 1000.0),
                     noise_readout: readout,
                     noise_relative: relative,
+                    integration,
                     saturation,
                     started: Some("2026-11-22T03:00:00Z".into()),
                     source: None,

@@ -85,6 +85,7 @@ fn record(out: &mut dyn Write, scan: &Scan) -> std::io::Result<()> {
     number(out, "receiver_solid_angle_sr", meta.receiver_solid_angle)?;
     number(out, "noise_readout", meta.noise_readout)?;
     number(out, "noise_relative", meta.noise_relative)?;
+    number(out, "integration", meta.integration)?;
     number(out, "saturation", meta.saturation)?;
     for (key, value) in &meta.other {
         text(out, key, Some(value))?;
