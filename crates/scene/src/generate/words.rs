@@ -1,5 +1,7 @@
 //! Words of a command line, and numbers as C prints them.
 
+use crate::error::{Place, SceneError};
+
 use thiserror::Error;
 
 /// What a command line asks that the generator does not do.
@@ -27,6 +29,25 @@ pub enum GenerateError {
         /// What may stand there.
         allowed: &'static str,
     },
+}
+
+impl GenerateError {
+    /// The error of a command that stands at `place` of a scene.
+    pub(crate) fn at(self, place: &Place) -> SceneError {
+        match self {
+            GenerateError::UnknownOption {
+                command,
+                option,
+                allowed,
+            } => place.fault(command, format!("unknown option `{option}`"), allowed),
+            GenerateError::BadValue {
+                command,
+                what,
+                found,
+                allowed,
+            } => place.fault(format!("{command}: {what}"), found, allowed),
+        }
+    }
 }
 
 pub(super) struct Words<'w> {

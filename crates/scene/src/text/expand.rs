@@ -13,7 +13,7 @@ use super::generators;
 use super::transform::Change;
 use super::xform::Xform;
 use crate::error::{Place, SceneError};
-use crate::generate::{self, GenerateError};
+use crate::generate;
 
 /// An item and where it stands: of a generated one, its command.
 #[derive(Clone, Debug)]
@@ -169,7 +169,7 @@ impl Expansion<'_> {
                         "gensky" => generate::gensky(&words),
                         _ => generate::gendaylit(&words),
                     };
-                    let text = text.map_err(|e| sky_fault(place, e))?;
+                    let text = text.map_err(|e| e.at(place))?;
                     at_place(radiance_material::read_from(&place.file, text.as_bytes())?)
                 }
                 _ => {
@@ -294,23 +294,6 @@ impl Expansion<'_> {
             }
         }
         Ok(out)
-    }
-}
-
-/// The error of a sky's arguments where they stand.
-fn sky_fault(place: &Place, error: GenerateError) -> SceneError {
-    match error {
-        GenerateError::UnknownOption {
-            command,
-            option,
-            allowed,
-        } => place.fault(command, format!("unknown option `{option}`"), allowed),
-        GenerateError::BadValue {
-            command,
-            what,
-            found,
-            allowed,
-        } => place.fault(format!("{command}: {what}"), found, allowed),
     }
 }
 
