@@ -1,8 +1,8 @@
 //! Words of a command line, and numbers as C prints them.
 
-use crate::error::{Place, SceneError};
-
 use thiserror::Error;
+
+use crate::error::{Place, SceneError};
 
 /// What a command line asks that the generator does not do.
 #[derive(Debug, Clone, PartialEq, Error)]
